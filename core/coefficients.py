@@ -1,0 +1,217 @@
+"""Coefficient images: what the coefficient passes of a render hold, as one EXR, and the pictures made of them.
+
+A coefficient image has, for every light group, p channels: the picture that each spectral coefficient paints under
+lamps of 1. The picture under any illuminants is a sum of 3×p matrices times these channels (`view.recombination_matrices`).
+"""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .factor_model import FactorModel
+from .spectrum import Spectrum
+
+__all__ = ["EVERYTHING_ELSE", "CoefficientImage", "CoefficientImageError", "read", "read_render", "recombine", "write"]
+
+# What no light group holds: the combined pass less all the groups.
+EVERYTHING_ELSE = "Everything else"
+
+_HEADER = "relume"
+_VERSION = 1
+_ROWS = 64  # rows recombined at a time: the temporary arrays stay in the cache
+
+
+class CoefficientImageError(ValueError):
+    """An EXR that does not hold what was expected; the message says which file and what is missing."""
+
+
+@dataclass(frozen=True)
+class CoefficientImage:
+    """Coefficients of a rendered picture, with all that relighting it needs.
+
+    groups: light group -> (height, width, p) float32. illuminants: light group -> what lit it. alpha: (height, width).
+    view: how Blender would show it (`view_transform`, `look`, `exposure`, `gamma`), an empty mapping for plain sRGB.
+    """
+
+    model: FactorModel
+    groups: Mapping[str, np.ndarray]
+    illuminants: Mapping[str, Spectrum]
+    alpha: np.ndarray
+    space: str = "Linear Rec.709"
+    white_balance: float = 0.0
+    view: Mapping[str, object] = field(default_factory=dict)
+    gains: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(width, height) in pixels."""
+        return self.alpha.shape[1], self.alpha.shape[0]
+
+
+def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
+    """(height, width, 3) float32: the sum over light groups of `matrices[g]` (3, p) times `groups[g]` (height, width, p).
+
+    Works through the image a few rows at a time, in float32; nothing is clamped.
+    """
+    if len(groups) != len(matrices):
+        raise ValueError(f"{len(groups)} light groups but {len(matrices)} matrices")
+    height, width, _ = groups[0].shape
+    transposed = [np.ascontiguousarray(matrix.T, dtype=np.float32) for matrix in matrices]
+    picture = np.empty((height, width, 3), dtype=np.float32)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, top + _ROWS)
+        tile = groups[0][rows] @ transposed[0]
+        for coefficients, matrix in zip(groups[1:], transposed[1:], strict=True):
+            tile += coefficients[rows] @ matrix
+        picture[rows] = tile
+    return picture
+
+
+def _parts(path: Path):
+    """Yield (channel names, spec, reader) of every part of an EXR; reader() returns (height, width, channels) float32."""
+    import OpenImageIO as oiio
+
+    if not path.is_file():
+        raise CoefficientImageError(f"{path}: no such file")
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise CoefficientImageError(f"{path}: not an image that can be read ({oiio.geterror().strip()})")
+    try:
+        part = 0
+        while image.seek_subimage(part, 0):
+            spec = image.spec()
+            yield list(spec.channelnames), spec, lambda part=part, spec=spec: image.read_image(
+                part, 0, 0, spec.nchannels, "float"
+            )
+            part += 1
+    finally:
+        image.close()
+
+
+def _channels(path: Path, wanted) -> dict[str, np.ndarray]:
+    """Channel name -> (height, width) float32, for the channels of an EXR whose full name `wanted(name)` accepts."""
+    found = {}
+    for names, _, pixels in _parts(path):
+        if any(wanted(name) for name in names):
+            block = pixels()
+            if block is None:
+                raise CoefficientImageError(f"{path}: the file is damaged or cut short")
+            found |= {name: block[..., i] for i, name in enumerate(names) if wanted(name)}
+    return found
+
+
+def read_render(
+    path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Coefficients and alpha of a multilayer EXR that Blender wrote.
+
+    layers: the view layers of the coefficient passes, in order. groups: light groups to read; `EVERYTHING_ELSE` among
+    them is worked out from the combined pass. Returns {group: (height, width, p) float32} and (height, width) alpha.
+    """
+    path = Path(path)
+    passes = {group: f"Combined_{group}" for group in groups if group != EVERYTHING_ELSE}
+    wanted = {f"{layer}.{name}.{c}" for layer in layers for name in [*passes.values(), "Combined"] for c in "RGBA"}
+    channels = _channels(path, wanted.__contains__)
+
+    def stacked(pass_name: str) -> np.ndarray:
+        names = [f"{layer}.{pass_name}.{c}" for layer in layers for c in "RGB"][: model.channels]
+        missing = [name for name in names if name not in channels]
+        if missing:
+            raise CoefficientImageError(f"{path}: pass {missing[0]!r} is missing; set the spectral render up again")
+        return np.stack([channels[name] for name in names], axis=-1)
+
+    coefficients = {group: stacked(pass_name) for group, pass_name in passes.items()}
+    if EVERYTHING_ELSE in groups:
+        coefficients[EVERYTHING_ELSE] = stacked("Combined") - sum(coefficients.values())
+    alpha = channels.get(f"{layers[0]}.Combined.A")
+    if alpha is None:
+        alpha = np.ones(next(iter(coefficients.values())).shape[:2], dtype=np.float32)
+    return {group: coefficients[group] for group in groups}, alpha
+
+
+def _channel_names(group: str, channels: int) -> list[str]:
+    """Layer, pass and channel as Blender names them, so that its compositor can read the file as well."""
+    return [f"Coefficients {k // 3 + 1}.{group}.{'RGB'[k % 3]}" for k in range(channels)]
+
+
+def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> None:
+    """Write a coefficient image as one multilayer float EXR, its first layer the `picture` (height, width, 3).
+
+    The file appears whole or not at all. Raises OSError when it cannot be written.
+    """
+    header = {
+        "version": _VERSION,
+        "model": image.model.to_dict(),
+        "groups": list(image.groups),
+        "illuminants": {group: image.illuminants[group].to_dict() for group in image.groups},
+        "gains": dict(image.gains),
+        "space": image.space,
+        "white_balance": image.white_balance,
+        "view": dict(image.view),
+    }
+    names = ["R", "G", "B", "A"]
+    for group in image.groups:
+        names += _channel_names(group, image.model.channels)
+    pixels = np.concatenate([picture, image.alpha[..., None], *image.groups.values()], axis=-1, dtype=np.float32)
+    _write_exr(Path(path), pixels, names, {_HEADER: json.dumps(header), "BlenderMultiChannel": "Relume"})
+
+
+def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Mapping[str, str]) -> None:
+    import OpenImageIO as oiio
+
+    height, width, count = pixels.shape
+    spec = oiio.ImageSpec(width, height, count, "float")
+    spec.channelnames = names
+    spec.attribute("compression", "zip")
+    for key, value in attributes.items():
+        spec.attribute(key, value)
+    partial = path.with_name(f".{path.stem}.partial.exr")
+    output = oiio.ImageOutput.create(str(partial))
+    try:
+        done = output.open(str(partial), spec) and output.write_image(np.ascontiguousarray(pixels))
+        message = output.geterror().strip()
+        done = output.close() and done
+        if not done:
+            raise OSError(f"{path}: cannot be written ({message or 'disk full?'})")
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def read(path: str | Path) -> CoefficientImage:
+    """Read a coefficient image that `write` wrote; CoefficientImageError says what the file lacks."""
+    path = Path(path)
+    header = None
+    for _, spec, _ in _parts(path):
+        header = spec.getattribute(_HEADER)
+        break
+    if header is None:
+        raise CoefficientImageError(f"{path}: no Relume header; expected an EXR that `relume render` wrote")
+    try:
+        header = json.loads(header)
+        if header["version"] > _VERSION:
+            raise CoefficientImageError(f"{path}: written by a newer Relume (format {header['version']})")
+        model = FactorModel.from_dict(header["model"])
+        illuminants = {group: Spectrum.from_dict(data) for group, data in header["illuminants"].items()}
+        groups = header["groups"]
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise CoefficientImageError(f"{path}: the Relume header is damaged ({error})") from error
+    wanted = {name for group in groups for name in _channel_names(group, model.channels)}
+    channels = _channels(path, (wanted | {"A"}).__contains__)
+    missing = sorted((wanted | {"A"}) - set(channels))
+    if missing:
+        raise CoefficientImageError(f"{path}: channel {missing[0]!r} is missing")
+    return CoefficientImage(
+        model=model,
+        groups={g: np.stack([channels[n] for n in _channel_names(g, model.channels)], axis=-1) for g in groups},
+        illuminants=illuminants,
+        alpha=channels["A"],
+        space=header["space"],
+        white_balance=header["white_balance"],
+        view=header["view"],
+        gains=header["gains"],
+    )

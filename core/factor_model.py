@@ -1,0 +1,163 @@
+"""The factor model: filters that make coefficients, and matrices that make colours of them.
+
+A renderer multiplies coefficients channel by channel and adds them; that is exact for scaling and adding spectra, and
+approximate for their product. Every published method is one choice of filters and of a rule for the matrices.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from . import library, relight
+from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
+
+__all__ = ["FactorModel", "ModelError"]
+
+RULES = ("fitted", "reconstructed", "diagonal")
+
+
+class ModelError(ValueError):
+    """A factor model that cannot be made, or cannot do what was asked; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class FactorModel:
+    """Filters (n, p) on wavelengths (n,) nm, and the rule by which `relight` makes its matrices.
+
+    filters: columns sum to 1, so that a flat spectrum of 1 has coefficients 1.
+    rule: "fitted" fits each matrix on products of `reflectances` (m, n), by default the CES; "reconstructed" rebuilds
+        spectra with `reconstruction` (n, p) and integrates them; "diagonal" scales three primaries, whose XYZ are the
+        columns of `primaries` (3, 3).
+    Raises ModelError.
+    """
+
+    name: str
+    wavelengths: np.ndarray
+    filters: np.ndarray
+    rule: str = "fitted"
+    reconstruction: np.ndarray | None = None
+    primaries: np.ndarray | None = None
+    reflectances: np.ndarray | None = None
+
+    def __post_init__(self):
+        for field in ("wavelengths", "filters", "reconstruction", "primaries", "reflectances"):
+            if getattr(self, field) is not None:
+                array = np.array(getattr(self, field), dtype=np.float64)
+                if not np.isfinite(array).all():
+                    raise ModelError(f"model {self.name!r}: {field} must be finite numbers")
+                array.setflags(write=False)
+                object.__setattr__(self, field, array)
+        if self.rule not in RULES:
+            raise ModelError(f"model {self.name!r}: rule {self.rule!r} is none of {', '.join(RULES)}")
+        if self.filters.ndim != 2 or len(self.filters) != self.wavelengths.size or self.filters.shape[1] == 0:
+            raise ModelError(f"model {self.name!r}: filters {self.filters.shape} do not fit its wavelengths")
+        if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
+            raise ModelError(f"model {self.name!r}: every filter must sum to 1")
+        if self.rule == "diagonal" and self.primaries is None:
+            raise ModelError(f"model {self.name!r}: the diagonal rule needs primaries")
+
+    @property
+    def channels(self):
+        """Number of coefficients p."""
+        return self.filters.shape[1]
+
+    @property
+    def passes(self):
+        """Number of RGB passes that carry them."""
+        return -(-self.channels // 3)
+
+    def coefficients(self, spectra):
+        """Coefficients of a Spectrum (p,), of a list of them (m, p), or of an array (..., n) on `wavelengths` (..., p).
+
+        Raises SpectrumError.
+        """
+        return self._sampled(spectra) @ self.filters
+
+    def relight(self, illuminant, observer="CIE 1931 2°"):
+        """XYZ of a product of coefficients under `illuminant`, with Y = 1 for a perfect white -> (3, p).
+
+        observer: a name that `library.observer` knows, or sensitivities (n, 3) whose second column takes Y's place.
+        """
+        return self._matrix(self._sampled(illuminant), self._observer(observer))
+
+    def emission(self, illuminant, reference, observer="CIE 1931 2°"):
+        """Coefficients (p,) of a light of this `illuminant` whose light group is relit by `reference`.
+
+        A perfect white has Y = 1 under it. All ones where the two are the same.
+        """
+        power, cmfs = self._sampled(illuminant), self._observer(observer)
+        other = self._sampled(reference)
+        if np.allclose(relight.power_weights(power, cmfs), relight.power_weights(other, cmfs), rtol=0, atol=1e-12):
+            return np.ones(self.channels)
+        return relight.emitter(self._training, self._matrix(other, cmfs), power, cmfs)
+
+    def reconstruct(self, coefficients):
+        """The smoothest spectra (..., n) that have these coefficients (..., p); flat for equal coefficients."""
+        return np.asarray(coefficients) @ self._reconstruction.T
+
+    def to_dict(self):
+        """A JSON-able description from which `from_dict` makes the same model."""
+        arrays = ("wavelengths", "filters", "reconstruction", "primaries", "reflectances")
+        description = {"name": self.name, "rule": self.rule}
+        description.update({field: getattr(self, field).tolist() for field in arrays if getattr(self, field) is not None})
+        return description
+
+    @classmethod
+    def from_dict(cls, description):
+        """The inverse of `to_dict`. Raises ModelError."""
+        try:
+            return cls(**description)
+        except TypeError as error:
+            raise ModelError(f"not the description of a factor model: {error}") from None
+
+    def _matrix(self, illuminant, cmfs):
+        if self.rule == "fitted":
+            return relight.fitted_matrix(self._training, illuminant, cmfs)
+        if self.rule == "reconstructed":
+            return relight.reconstructed_matrix(self._reconstruction, illuminant, cmfs)
+        white = relight.power_weights(illuminant, cmfs).sum(axis=0)
+        return self.primaries * np.linalg.solve(self.primaries, white)
+
+    def _sampled(self, spectra):
+        if isinstance(spectra, Spectrum):
+            return spectra.sampled(self.wavelengths)
+        if isinstance(spectra, (list, tuple)) and spectra and all(isinstance(s, Spectrum) for s in spectra):
+            return np.stack([spectrum.sampled(self.wavelengths) for spectrum in spectra])
+        values = np.asarray(spectra, dtype=np.float64)
+        if values.ndim == 0 or values.shape[-1] != self.wavelengths.size:
+            raise SpectrumError(
+                f"expected a Spectrum or {self.wavelengths.size} values per spectrum, got an array {values.shape}"
+            )
+        if not np.isfinite(values).all():
+            raise SpectrumError("spectra must be finite numbers")
+        return values
+
+    def _observer(self, observer):
+        if isinstance(observer, str):
+            cmfs = library.observer(observer)
+            if np.array_equal(self.wavelengths, WAVELENGTHS):
+                return cmfs
+            return np.stack([np.interp(self.wavelengths, WAVELENGTHS, column) for column in cmfs.T], axis=1)
+        cmfs = np.asarray(observer, dtype=np.float64)
+        if cmfs.shape != (self.wavelengths.size, 3):
+            raise SpectrumError(f"an observer needs {self.wavelengths.size} x 3 sensitivities, got {cmfs.shape}")
+        return cmfs
+
+    @cached_property
+    def _training(self):
+        reflectances = self.reflectances
+        if reflectances is None:
+            reflectances = np.stack([s.sampled(self.wavelengths) for s in library.reflectances("ces")])
+        return relight.training_products(reflectances, self.filters)
+
+    @cached_property
+    def _reconstruction(self):
+        if self.reconstruction is not None:
+            return self.reconstruction
+        # Least squared second differences subject to filters^T s = c; a flat spectrum has none, so it comes out flat.
+        count, channels = self.filters.shape
+        bend = np.diff(np.eye(count), n=2, axis=0)
+        system = np.block([[bend.T @ bend, self.filters], [self.filters.T, np.zeros((channels, channels))]])
+        right = np.concatenate([np.zeros((count, channels)), np.eye(channels)])
+        return np.linalg.lstsq(system, right, rcond=None)[0][:count]

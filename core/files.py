@@ -1,0 +1,3 @@
+"""Reading and writing spectra."""
+
+__all__ = []

