@@ -15,7 +15,17 @@ import numpy as np
 from .factor_model import FactorModel
 from .spectrum import Spectrum
 
-__all__ = ["EVERYTHING_ELSE", "CoefficientImage", "CoefficientImageError", "read", "read_render", "recombine", "write"]
+__all__ = [
+    "EVERYTHING_ELSE",
+    "CoefficientImage",
+    "CoefficientImageError",
+    "bottom_up_rgba",
+    "read",
+    "read_render",
+    "read_render_times",
+    "recombine",
+    "write",
+]
 
 # What no light group holds: the combined pass less all the groups.
 EVERYTHING_ELSE = "Everything else"
@@ -71,6 +81,11 @@ def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
     return picture
 
 
+def bottom_up_rgba(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """Flat float32 RGBA from the lowest row up, as Blender keeps images, of (height, width, 3) and (height, width)."""
+    return np.dstack([rgb, alpha]).astype(np.float32)[::-1].ravel()
+
+
 def _parts(path: Path):
     """Yield (channel names, spec, reader) of every part of an EXR; reader() returns (height, width, channels) float32."""
     import OpenImageIO as oiio
@@ -84,8 +99,10 @@ def _parts(path: Path):
         part = 0
         while image.seek_subimage(part, 0):
             spec = image.spec()
-            yield list(spec.channelnames), spec, lambda part=part, spec=spec: image.read_image(
-                part, 0, 0, spec.nchannels, "float"
+            yield (
+                list(spec.channelnames),
+                spec,
+                lambda part=part, spec=spec: image.read_image(part, 0, 0, spec.nchannels, "float"),
             )
             part += 1
     finally:
@@ -131,6 +148,27 @@ def read_render(
     if alpha is None:
         alpha = np.ones(next(iter(coefficients.values())).shape[:2], dtype=np.float32)
     return {group: coefficients[group] for group in groups}, alpha
+
+
+def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict[str, float]]:
+    """{view layer: {"seconds", "sync_seconds", "samples"}} as Cycles notes them in the EXR; what is not noted is left out."""
+    _, spec, _ = next(iter(_parts(Path(path))))
+    times = {}
+    for layer in layers:
+        noted = {name: spec.getattribute(f"cycles.{layer}.{name}") for name in ("total_time", "synchronization_time")}
+        samples = spec.getattribute(f"cycles.{layer}.samples")
+        if all(noted.values()) and samples:
+            seconds, sync = (_seconds(noted[name]) for name in ("total_time", "synchronization_time"))
+            times[layer] = {"seconds": seconds, "sync_seconds": sync, "samples": int(samples)}
+    return times
+
+
+def _seconds(clock: str) -> float:
+    """Seconds of a time written as [hours:]minutes:seconds."""
+    seconds = 0.0
+    for part in clock.split(":"):
+        seconds = 60.0 * seconds + float(part)
+    return seconds
 
 
 def _channel_names(group: str, channels: int) -> list[str]:

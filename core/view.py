@@ -144,9 +144,7 @@ def for_passes(matrices: np.ndarray) -> np.ndarray:
     return np.concatenate([matrices[:-1] - matrices[-1], matrices[-1:]])
 
 
-def coefficient_pass(
-    model: FactorModel, index: int, groups: int, space: str = "Linear Rec.709"
-) -> ViewLayerNumbers:
+def coefficient_pass(model: FactorModel, index: int, groups: int, space: str = "Linear Rec.709") -> ViewLayerNumbers:
     """What the view layer of coefficient pass `index` holds: channels 3·index to 3·index + 2 and white lamps."""
     channels = slice(3 * index, 3 * index + 3)
     return ViewLayerNumbers(
@@ -176,9 +174,7 @@ def preview(
     spectrum = np.full((3, model.channels), 1.0 / model.channels)
     if white.max() > 0.0:
         spectrum[shown] = matrices[key][shown] / white[shown, None]
-    return ViewLayerNumbers(
-        spectrum=spectrum, rgb=spectrum @ rgb_matrix(model, space), lights=np.maximum(whites, 0.0)
-    )
+    return ViewLayerNumbers(spectrum=spectrum, rgb=spectrum @ rgb_matrix(model, space), lights=np.maximum(whites, 0.0))
 
 
 def daylight_rgb(reflectance: Spectrum, space: str = "Linear Rec.709") -> np.ndarray:

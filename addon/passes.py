@@ -1,0 +1,146 @@
+"""Coefficient passes: view layers copied from the artist's own, one for every three channels.
+
+A view layer carries the numbers of `core.view.ViewLayerNumbers` as custom properties; the shaders read them with
+Attribute nodes of type View Layer (`nodes.view_group`).
+"""
+
+import bpy
+
+from ..core import view
+
+__all__ = [
+    "add",
+    "drive_seed",
+    "is_driven_or_animated",
+    "light_pass",
+    "pass_layers",
+    "preview_layers",
+    "remove",
+    "write_view",
+]
+
+_PASS = "relume_pass"  # on a coefficient pass: its number
+_SOURCE = "relume_source"  # on a coefficient pass: the name of the artist's layer; on that layer: its own name
+_SEED = "relume_seed"
+
+
+def pass_layers(scene) -> dict[str, list]:
+    """Coefficient passes in order, by the name of the artist's view layer that they are copies of."""
+    found = {}
+    for layer in scene.view_layers:
+        if _PASS in layer:
+            found.setdefault(layer[_SOURCE], []).append(layer)
+    return {source: sorted(layers, key=lambda layer: layer[_PASS]) for source, layers in found.items()}
+
+
+def preview_layers(scene) -> list:
+    """The artist's own view layers that show the preview."""
+    return [layer for layer in scene.view_layers if _SOURCE in layer and _PASS not in layer]
+
+
+def write_view(layer, numbers: view.ViewLayerNumbers):
+    """Write what the shaders read into the custom properties of a view layer."""
+    values = {"relume_on": 1.0}
+    values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
+    values |= {f"relume_w{i}": column for i, column in enumerate(numbers.spectrum.T.tolist())}
+    values |= {f"relume_light{i}": color for i, color in enumerate(numbers.lights.tolist())}
+    for key, value in values.items():
+        if layer.get(key) is None or not _same(layer[key], value):
+            layer[key] = value
+
+
+def _same(stored, value) -> bool:
+    return list(stored) == value if isinstance(value, list) else stored == value
+
+
+def _copy_layer(scene, source, name: str):
+    before = set(scene.view_layers)
+    window = bpy.context.window
+    shown = window.view_layer if window else None
+    with bpy.context.temp_override(scene=scene, view_layer=source):
+        bpy.ops.scene.view_layer_add(type="COPY")
+    if window:
+        window.view_layer = shown
+    layer = next(layer for layer in scene.view_layers if layer not in before)
+    layer.name = name
+    return layer
+
+
+def _keep_only_light_passes(layer):
+    for name in layer.bl_rna.properties.keys():
+        if name.startswith("use_pass_") and name != "use_pass_combined" and getattr(layer, name) is True:
+            setattr(layer, name, False)
+
+
+def add(scene, model, groups: list[str], *, samples: int, same_seed: bool):
+    """Add the coefficient passes of every view layer of the artist's that is rendered; these then show the preview.
+
+    groups: light groups, in the order of the mixer. samples: of each pass, 0 for the scene's own.
+    """
+    space = bpy.data.colorspace.working_space
+    for source in [layer for layer in scene.view_layers if layer.use and _SOURCE not in layer]:
+        for k in range(model.passes):
+            layer = _copy_layer(scene, source, f"{source.name} {k + 1}")
+            layer[_PASS], layer[_SOURCE] = k, source.name
+            layer[_SEED] = 0 if same_seed else k
+            layer.samples = samples
+            layer.cycles.use_denoising = False
+            layer.cycles.denoising_store_passes = False
+            if k:
+                _keep_only_light_passes(layer)
+            for group in groups:
+                if group not in layer.lightgroups:
+                    layer.lightgroups.add(name=group)
+            write_view(layer, view.coefficient_pass(model, k, len(groups), space))
+        source[_SOURCE] = source.name
+        source.use = False
+
+
+def light_pass(group: str) -> str:
+    """Name of the render pass that holds a light group."""
+    return f"Combined_{group}"
+
+
+def remove(scene):
+    """Take away the coefficient passes and what the artist's view layers carried."""
+    for layers in pass_layers(scene).values():
+        for layer in layers:
+            scene.view_layers.remove(layer)
+    for layer in preview_layers(scene):
+        layer.use = True
+        for key in [key for key in layer.keys() if key.startswith("relume_")]:
+            del layer[key]
+
+
+def drive_seed(scene):
+    """Give each coefficient pass a seed of its own: noise of the passes is then independent."""
+    base = scene.cycles.seed
+    driver = scene.driver_add("cycles.seed").driver
+    variable = driver.variables.new()
+    variable.name = "offset"
+    variable.type = "CONTEXT_PROP"
+    target = variable.targets[0]
+    target.context_property = "ACTIVE_VIEW_LAYER"
+    target.data_path = f'["{_SEED}"]'
+    target.use_fallback_value = True
+    target.fallback_value = 0.0
+    driver.expression = f"{base} + offset"
+
+
+def is_driven_or_animated(scene, path: str) -> bool:
+    data = scene.animation_data
+    if data is None:
+        return False
+    if any(curve.data_path == path for curve in data.drivers):
+        return True
+    return data.action is not None and path in _animated_paths(data.action)
+
+
+def _animated_paths(action) -> set[str]:
+    return {
+        curve.data_path
+        for layer in action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        for curve in bag.fcurves
+    }

@@ -1,0 +1,163 @@
+"""Rendering the coefficient passes of a scene into a coefficient image, and saving pictures."""
+
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..core import coefficients, view
+from ..core.coefficients import CoefficientImage
+from . import passes, setup
+
+__all__ = ["RenderError", "Rendered", "picture", "render", "save_picture"]
+
+
+class RenderError(RuntimeError):
+    """A render that could not be made; the message says why."""
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass."""
+
+    image: CoefficientImage
+    times: dict[str, dict[str, float]]
+
+
+def render(scene, folder: Path, progress: Callable[[int, str], None] | None = None) -> Rendered:
+    """Render the current frame of a scene that is set up. `folder` is for Blender's own file, which is deleted.
+
+    progress(pass number, Blender's words) is called as the render goes. Only the first of the artist's view layers
+    is read. Raises RenderError.
+    """
+    layers = next(iter(passes.pass_layers(scene).values()))
+    names = [layer.name for layer in layers]
+    groups = [group.name for group in scene.relume.light_groups]
+    with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
+        path = Path(temporary) / "passes.exr"
+        with _Progress(names, progress):
+            _render_to(scene, path)
+        channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
+        times = coefficients.read_render_times(path, names)
+    settings = scene.relume
+    return Rendered(
+        CoefficientImage(
+            model=settings.model(),
+            groups=channels,
+            illuminants={group.name: group.light().illuminant for group in settings.light_groups},
+            alpha=alpha,
+            space=bpy.data.colorspace.working_space,
+            white_balance=settings.white_balance,
+            view=_view_of(scene),
+            gains={group.name: group.gain for group in settings.light_groups},
+        ),
+        times,
+    )
+
+
+def _render_to(scene, path: Path):
+    """Render all view layers into a multilayer EXR, without the compositor, and put the output settings back."""
+    output = scene.render.image_settings
+    render_settings = {"filepath": str(path), "use_compositing": False, "use_sequencer": False}
+    render_settings |= {"use_file_extension": False, "use_single_layer": False}
+    image_settings = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
+    image_settings |= {"color_depth": "32", "exr_codec": "NONE"}
+    before = {name: getattr(scene.render, name) for name in render_settings}
+    image_before = {name: getattr(output, name) for name in image_settings}
+    try:
+        for target, values in ((scene.render, render_settings), (output, image_settings)):
+            for name, value in values.items():
+                setattr(target, name, value)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    except RuntimeError as error:
+        raise RenderError(str(error).strip().removeprefix("Error: ")) from error
+    finally:
+        for target, values in ((scene.render, before), (output, image_before)):
+            for name, value in values.items():
+                setattr(target, name, value)
+    if not path.exists():
+        raise RenderError(f"Blender did not write the render of scene {scene.name!r}; is the disk full?")
+
+
+class _Progress:
+    """While it is entered, tells which coefficient pass is being rendered."""
+
+    def __init__(self, layers: list[str], tell):
+        self.layers, self.tell = layers, tell
+
+    def __call__(self, *arguments):
+        words = next((a for a in arguments if isinstance(a, str)), "")
+        for index, layer in reversed(list(enumerate(self.layers))):
+            if f"| {layer}" in words or f", {layer} " in words:
+                self.tell(index, words)
+                return
+
+    def __enter__(self):
+        if self.tell:
+            bpy.app.handlers.render_stats.append(self)
+
+    def __exit__(self, *_):
+        if self.tell:
+            bpy.app.handlers.render_stats.remove(self)
+
+
+def _view_of(scene) -> dict:
+    chosen = scene.view_settings
+    return {
+        "display_device": scene.display_settings.display_device,
+        "view_transform": chosen.view_transform,
+        "look": chosen.look,
+        "exposure": chosen.exposure,
+        "gamma": chosen.gamma,
+    }
+
+
+def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balance: float, method: str = "bradford"):
+    """(height, width, 3) linear picture of a coefficient image with a light for each of its groups."""
+    matrices = view.recombination_matrices(
+        image.model,
+        [lights[group] for group in image.groups],
+        white_balance=white_balance,
+        method=method,
+        space=image.space,
+    )
+    return coefficients.recombine(list(image.groups.values()), matrices)
+
+
+_FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
+
+
+def save_picture(path: Path, rgb, image: CoefficientImage):
+    """Save a linear picture as Blender would: PNG and TIFF through the scene's view transform, EXR linear.
+
+    The file appears whole or not at all. Raises OSError when it cannot be written, ValueError for another extension.
+    """
+    if path.suffix.lower() not in _FORMATS:
+        raise ValueError(f"{path}: a picture's name ends in {', '.join(_FORMATS)}")
+    file_format, depth = _FORMATS[path.suffix.lower()]
+    width, height = image.size
+    scene = bpy.data.scenes.new("Relume picture")
+    buffer = bpy.data.images.new("Relume picture", width, height, alpha=True, float_buffer=True)
+    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
+    try:
+        buffer.colorspace_settings.name = image.space
+        buffer.pixels.foreach_set(coefficients.bottom_up_rgba(rgb, image.alpha))
+        settings = scene.render.image_settings
+        settings.media_type, settings.file_format, settings.color_depth = "IMAGE", file_format, depth
+        settings.color_mode = "RGBA" if (image.alpha < 1.0).any() else "RGB"
+        shown = dict(image.view)
+        if "display_device" in shown:
+            scene.display_settings.display_device = shown.pop("display_device")
+        for name, value in {"view_transform": "Standard", **shown}.items():
+            setattr(scene.view_settings, name, value)
+        scene.render.dither_intensity = 0.0
+        buffer.save_render(str(partial), scene=scene)
+        partial.replace(path)
+    except (RuntimeError, FileNotFoundError) as error:
+        raise OSError(f"{path}: cannot be written ({str(error).strip().removeprefix('Error: ')})") from error
+    finally:
+        partial.unlink(missing_ok=True)
+        bpy.data.images.remove(buffer)
+        bpy.data.scenes.remove(scene)

@@ -1,0 +1,181 @@
+"""Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
+
+import json
+
+import bpy
+
+from ..core import view
+from ..core.factor_model import FactorModel
+from ..core.library import LibraryError
+from . import compositing, lights, nodes, passes, properties, sockets, spectra
+
+__all__ = ["SetupError", "lighting", "relight", "remove", "set_up"]
+
+_BEFORE = "relume_before"  # what the scene's own settings were
+
+
+class SetupError(RuntimeError):
+    """A scene that cannot be set up; the message says what it lacks."""
+
+
+def set_up(scene, model: FactorModel | None = None):
+    """Make a scene spectral: colours, lamps, passes, preview and compositing, for `model` or the scene's channels.
+
+    A scene that is set up already is set up afresh. On any failure the scene is given back as it was.
+    """
+    if scene.library is not None:
+        raise SetupError(f"scene {scene.name!r} is linked from {scene.library.filepath}: set it up in its own file")
+    if scene.camera is None:
+        raise SetupError(f"scene {scene.name!r} has no camera")
+    if not lights.has_emitters(scene):
+        raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
+    if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
+        raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
+    model = model or properties.model_for(scene.relume.channels)
+    # The coefficients of a spectrum are those of one model: all scenes of a file share it
+    described = json.dumps(model.to_dict())
+    others = [s for s in bpy.data.scenes if s != scene and s.get(properties.MODEL, described) != described]
+    for done in [s for s in [scene, *others] if s.relume.is_set_up]:
+        remove(done)
+    for each in [scene, *others]:
+        try:
+            _set_up(each, model)
+        except Exception:
+            remove(each)
+            raise
+
+
+def _set_up(scene, model: FactorModel):
+    settings = scene.relume
+    groups = _sync_light_groups(scene)
+    _keep_settings(scene)
+    scene[properties.MODEL] = json.dumps(model.to_dict())
+    spectra.update_all(model)
+    _convert_colors(scene, groups, model.channels)
+    passes.add(scene, model, groups, samples=_samples(scene, model), same_seed=settings.same_seed)
+    compositing.add(scene, groups)
+    _write_lighting(scene)
+
+
+def _sync_light_groups(scene) -> list[str]:
+    """Rows of the mixer for the light groups that shine; what the artist chose for them stays."""
+    settings, names = scene.relume, lights.light_groups_of(scene)
+    for name in names:
+        if name not in settings.light_groups:
+            settings.light_groups.add()["name"] = name
+    for index in reversed(range(len(settings.light_groups))):
+        if settings.light_groups[index].name not in names:
+            settings.light_groups.remove(index)
+    for position, name in enumerate(names):
+        settings.light_groups.move(settings.light_groups.find(name), position)
+    return names
+
+
+def _keep_settings(scene):
+    """Note the scene's own settings and put those that coefficient passes need."""
+    scene[_BEFORE] = {
+        "engine": scene.render.engine,
+        "use_persistent_data": scene.render.use_persistent_data,
+        "use_compositing": scene.render.use_compositing,
+        "compositor_precision": scene.render.compositor_precision,
+        "use_layer_samples": scene.cycles.use_layer_samples,
+        "seed": scene.cycles.seed,
+        "drives_seed": not passes.is_driven_or_animated(scene, "cycles.seed"),
+        "had_animation": scene.animation_data is not None,
+    }
+    scene.render.engine = "CYCLES"
+    scene.render.use_persistent_data = True
+    scene.render.use_compositing = True
+    scene.render.compositor_precision = "FULL"
+    scene.cycles.use_layer_samples = "USE"
+    if scene[_BEFORE]["drives_seed"]:
+        passes.drive_seed(scene)
+
+
+def _give_settings_back(scene):
+    if _BEFORE not in scene:
+        return
+    before = scene[_BEFORE].to_dict()
+    if before["drives_seed"]:
+        scene.driver_remove("cycles.seed")
+        if not before["had_animation"]:
+            scene.animation_data_clear()
+    scene.cycles.seed = before["seed"]
+    scene.cycles.use_layer_samples = before["use_layer_samples"]
+    scene.render.compositor_precision = before["compositor_precision"]
+    scene.render.use_compositing = bool(before["use_compositing"])
+    scene.render.use_persistent_data = bool(before["use_persistent_data"])
+    scene.render.engine = before["engine"]
+    del scene[_BEFORE]
+
+
+def _samples(scene, model: FactorModel) -> int:
+    """Samples of each pass, 0 for as many as the scene has."""
+    return -(-scene.cycles.samples // model.passes) if scene.relume.split_samples else 0
+
+
+def _convert_colors(scene, groups: list[str], channels: int):
+    tints = {}
+    for thing in scene.objects:
+        if thing.type == "LIGHT" and thing.data.library is None:
+            tints[thing.data] = lights.convert(thing.data)
+    by_tree = {light.node_tree: tint for light, tint in tints.items()}
+    for tree, light_group in sockets.trees_of(scene):
+        index = groups.index(light_group) if light_group in groups else len(groups) - 1
+        sockets.convert(tree, index, channels, by_tree.get(tree, (1.0, 1.0, 1.0)))
+
+
+def lighting(scene) -> dict:
+    """The keyword arguments that the functions of `core.view` take from a scene."""
+    settings = scene.relume
+    return {
+        "lights": settings.lights(),
+        "white_balance": settings.white_balance,
+        "method": settings.white_balance_method,
+        "space": bpy.data.colorspace.working_space,
+    }
+
+
+def _write_lighting(scene):
+    """Write the chosen illuminants into the compositor and the preview: numbers only."""
+    model, chosen = scene.relume.model(), lighting(scene)
+    matrices = view.recombination_matrices(model, **chosen)
+    compositing.write_matrices(scene, matrices, [group.name for group in scene.relume.light_groups])
+    shown = view.preview(model, **chosen)
+    for layer in passes.preview_layers(scene):
+        passes.write_view(layer, shown)
+
+
+def relight(scene):
+    """Show the illuminants that the mixer now says. A name that is no illuminant changes nothing and is told."""
+    settings = scene.relume
+    if not settings.is_set_up:
+        return
+    try:
+        _write_lighting(scene)
+    except (LibraryError, ValueError) as error:
+        settings["problem"] = str(error)
+    else:
+        settings["problem"] = ""
+    scene.update_tag()
+
+
+def remove(scene):
+    """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up."""
+    compositing.remove(scene)
+    passes.remove(scene)
+    _give_settings_back(scene)
+    if properties.MODEL in scene:
+        del scene[properties.MODEL]
+    others = [other for other in bpy.data.scenes if other.relume.is_set_up]
+    kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
+    kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
+    for tree in sockets.all_trees():
+        if tree not in kept_trees:
+            sockets.restore(tree)
+    for light in lights.local_lights():
+        if light not in kept_lights:
+            lights.restore(light)
+    if not others:
+        spectra.restore_all()
+    nodes.clear_orphans()

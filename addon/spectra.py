@@ -1,0 +1,92 @@
+"""Measured spectra in a Blender file: node groups that artists share, append and link like any other.
+
+A spectrum group keeps its samples in the custom property `SPECTRA`, {output socket: Spectrum as a dictionary}: `Color`
+for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
+"""
+
+import bpy
+
+from ..core import fresnel, view
+from ..core.factor_model import FactorModel
+from ..core.spectrum import Spectrum
+from . import nodes
+
+__all__ = ["SPECTRA", "assign", "new_conductor", "new_reflectance", "restore_all", "spectra_of", "update_all"]
+
+SPECTRA = "relume_spectra"
+
+
+def new_reflectance(spectrum: Spectrum, name: str = ""):
+    """A node group with one output, Color, that is the reflectance `spectrum`."""
+    return _new(name or spectrum.name, {"Color": ("Color", spectrum)})
+
+
+def new_conductor(name: str, n: Spectrum, k: Spectrum):
+    """A node group with the outputs IOR and Extinction, for the Metallic BSDF of type Physical Conductor."""
+    return _new(name, {"IOR": ("Vector", n), "Extinction": ("Vector", k)})
+
+
+def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
+    tree = nodes.new_spectrum(name, {socket: kind for socket, (kind, _) in outputs.items()})
+    tree[SPECTRA] = {socket: spectrum.to_dict() for socket, (_, spectrum) in outputs.items()}
+    nodes.fill_spectrum_plain(tree, _plain(tree))
+    # Channels of the model being rendered, where there is one
+    for scene in bpy.data.scenes:
+        if scene.relume.is_set_up:
+            _fill(tree, scene.relume.model())
+            break
+    return tree
+
+
+def spectra_of(tree) -> dict[str, Spectrum]:
+    """The measured spectra of a spectrum group, by output socket."""
+    return {socket: Spectrum.from_dict(data) for socket, data in tree[SPECTRA].to_dict().items()}
+
+
+def assign(material, socket, tree, output: str = "Color"):
+    """Feed a shader socket of a material from an output of a spectrum group. Returns the group node."""
+    node_tree = material.node_tree
+    for node in node_tree.nodes:
+        if node.type == "GROUP" and node.node_tree == tree:
+            break
+    else:
+        node = node_tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = tree
+        node.location = (socket.node.location.x - 220, socket.node.location.y - 60)
+    node_tree.links.new(node.outputs[output], socket)
+    return node
+
+
+def _plain(tree) -> dict[str, tuple]:
+    """What a spectrum shows in a scene without Relume: its colour in daylight; n and k at three wavelengths."""
+    space = bpy.data.colorspace.working_space
+    spectra = spectra_of(tree)
+    if "Color" in spectra:
+        return {"Color": tuple(view.daylight_rgb(spectra["Color"], space))}
+    return {socket: tuple(view.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
+
+
+def _fill(tree, model: FactorModel):
+    spectra = spectra_of(tree)
+    if "Color" in spectra:
+        coefficients = {"Color": model.coefficients(spectra["Color"])}
+    else:
+        n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
+        coefficients = {"IOR": n, "Extinction": k}
+    nodes.fill_spectrum(tree, _plain(tree), coefficients)
+
+
+def _local():
+    return [t for t in bpy.data.node_groups if t.get(nodes.ROLE) == "spectrum" and t.library is None and SPECTRA in t]
+
+
+def update_all(model: FactorModel):
+    """Give every spectrum of this file the coefficients of `model`."""
+    for tree in _local():
+        _fill(tree, model)
+
+
+def restore_all():
+    """Leave in every spectrum of this file only its plain colour."""
+    for tree in _local():
+        nodes.fill_spectrum_plain(tree, _plain(tree))

@@ -1,0 +1,1 @@
+"""Example scenes and the scripts that make them."""
