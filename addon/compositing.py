@@ -1,4 +1,4 @@
-"""The recombination in a scene's compositing: coefficient passes in, the picture out, whatever the artist does with it."""
+"""The recombination in a scene's compositing: coefficient passes in, the picture out for whatever comes after."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""Lamps and light groups: which groups a scene has, and lamps whose colour is a gel in front of the group's illuminant."""
+"""Lamps and light groups: which groups a scene has; the colour of a lamp as a gel in front of the illuminant."""
 
 import bpy
 

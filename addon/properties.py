@@ -84,8 +84,8 @@ class SceneSettings(PropertyGroup):
     )
     split_samples: BoolProperty(
         name="Share Samples",
-        description="Deal the scene's samples out among the passes, so that a spectral render takes about as long as an "
-        "RGB one. Off: every pass takes all samples, with less noise",
+        description="Deal the scene's samples out among the passes, so that a spectral render takes about as long as "
+        "an RGB one. Off: every pass takes all samples, with less noise",
         default=True,
     )
     same_seed: BoolProperty(
@@ -97,7 +97,7 @@ class SceneSettings(PropertyGroup):
     active_light_group: IntProperty()
     white_balance: FloatProperty(
         name="White Balance",
-        description="How far the picture adapts to the colour of its light. 0: tungsten stays orange, 1: white is white",
+        description="How far the picture adapts to its light. 0: tungsten stays orange, 1: white is white",
         default=0.0,
         min=0.0,
         max=1.0,

@@ -9,7 +9,7 @@ import bpy
 
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
-from . import passes, setup
+from . import passes
 
 __all__ = ["RenderError", "Rendered", "picture", "render", "save_picture"]
 

@@ -1,7 +1,8 @@
 """Coefficient images: what the coefficient passes of a render hold, as one EXR, and the pictures made of them.
 
 A coefficient image has, for every light group, p channels: the picture that each spectral coefficient paints under
-lamps of 1. The picture under any illuminants is a sum of 3×p matrices times these channels (`view.recombination_matrices`).
+lamps of 1. The picture under any illuminants is a sum of 3×p matrices times these channels
+(`view.recombination_matrices`).
 """
 
 import json
@@ -63,7 +64,7 @@ class CoefficientImage:
 
 
 def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
-    """(height, width, 3) float32: the sum over light groups of `matrices[g]` (3, p) times `groups[g]` (height, width, p).
+    """(height, width, 3) float32: the sum over light groups of `matrices[g]` (3, p) on `groups[g]` (height, width, p).
 
     Works through the image a few rows at a time, in float32; nothing is clamped.
     """
@@ -87,7 +88,7 @@ def bottom_up_rgba(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
 
 
 def _parts(path: Path):
-    """Yield (channel names, spec, reader) of every part of an EXR; reader() returns (height, width, channels) float32."""
+    """Yield (channel names, spec, reader) of every part of an EXR; reader() gives (height, width, channels) float32."""
     import OpenImageIO as oiio
 
     if not path.is_file():
@@ -151,7 +152,7 @@ def read_render(
 
 
 def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict[str, float]]:
-    """{view layer: {"seconds", "sync_seconds", "samples"}} as Cycles notes them in the EXR; what is not noted is left out."""
+    """{view layer: {"seconds", "sync_seconds", "samples"}}, of the layers for which Cycles notes them in the EXR."""
     _, spec, _ = next(iter(_parts(Path(path))))
     times = {}
     for layer in layers:

@@ -178,7 +178,7 @@ def preview(
 
 
 def daylight_rgb(reflectance: Spectrum, space: str = "Linear Rec.709") -> np.ndarray:
-    """(3,) working-space colour 0..1 of a reflectance in D65, for a scene that knows no spectra; clipped to the gamut."""
+    """(3,) colour 0..1 of a reflectance in D65, for a scene that knows no spectra; clipped to the gamut of `space`."""
     from . import library
 
     cmfs, daylight = library.observer(), library.illuminant("D65").sampled(WAVELENGTHS)
@@ -187,7 +187,7 @@ def daylight_rgb(reflectance: Spectrum, space: str = "Linear Rec.709") -> np.nda
 
 
 def display_primaries(spectrum: Spectrum) -> np.ndarray:
-    """(3,) values of a spectrum at 630, 532 and 467 nm, the primaries of Rec.2020: what an RGB renderer's n and k are."""
+    """(3,) values of a spectrum at 630, 532 and 467 nm, the primaries of Rec.2020: n and k for an RGB renderer."""
     return spectrum.sampled(np.array([467.0, 532.0, 630.0]))[::-1]
 
 
