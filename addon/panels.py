@@ -1,6 +1,103 @@
+"""The Relume panel, in the sidebar of the 3D view and in the render properties."""
+
+import bpy
+from bpy.types import Panel
+
+from ..core.coefficients import EVERYTHING_ELSE
+
+__all__ = ["CLASSES", "register", "unregister"]
+
+
+class _Relume:
+    bl_label = "Relume"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.relume
+        if settings.is_set_up:
+            _draw_mixer(layout, settings)
+        else:
+            _draw_introduction(layout, settings)
+
+
+def _draw_introduction(layout, settings):
+    column = layout.column(align=True)
+    column.label(text="Render the whole spectrum,")
+    column.label(text="choose the light afterwards.")
+    layout.prop(settings, "channels")
+    layout.prop(settings, "split_samples")
+    row = layout.row()
+    row.scale_y = 1.6
+    row.operator("relume.set_up", icon="LIGHT_AREA")
+
+
+def _draw_mixer(layout, settings):
+    model = settings.model()
+    reference = settings.channels == "reference"
+    words = f"Reference, {model.channels} bands" if reference else f"{model.channels} channels"
+    layout.label(
+        text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({words})", icon="RENDER_STILL"
+    )
+    if not reference and settings.channels != str(model.channels):
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
+    for group in settings.light_groups:
+        box = layout.box()
+        box.label(text=group.name, icon="WORLD" if group.name == EVERYTHING_ELSE else "LIGHT")
+        box.prop(group, "illuminant")
+        box.prop(group, "gain")
+    if settings.problem:
+        _draw_problem(layout, settings.problem)
+    layout.prop(settings, "white_balance")
+    row = layout.row()
+    row.active = settings.white_balance > 0.0
+    row.prop(settings, "white_balance_method")
+    layout.separator()
+    layout.prop(settings, "channels")
+    layout.prop(settings, "split_samples")
+    layout.operator("relume.remove", icon="TRASH")
+
+
+def _draw_problem(layout, problem: str, width: int = 38):
+    """The problem in words, wrapped so that a narrow sidebar does not cut it."""
+    column = layout.column(align=True)
+    column.alert = True
+    line = ""
+    for word in problem.split():
+        if len(line) + len(word) >= width:
+            column.label(text=line)
+            line = ""
+        line = f"{line} {word}".strip()
+    column.label(text=line)
+
+
+class SidebarPanel(_Relume, Panel):
+    bl_idname = "VIEW3D_PT_relume"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Relume"
+
+
+class RenderPanel(_Relume, Panel):
+    bl_idname = "RENDER_PT_relume"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    bl_order = -1
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+CLASSES = (SidebarPanel, RenderPanel)
+
+
 def register():
-    pass
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
 
 
 def unregister():
-    pass
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

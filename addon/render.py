@@ -1,5 +1,6 @@
 """Rendering the coefficient passes of a scene into a coefficient image, and saving pictures."""
 
+import re
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
 from . import passes
 
-__all__ = ["RenderError", "Rendered", "picture", "render", "save_picture"]
+__all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
 
 
 class RenderError(RuntimeError):
@@ -26,10 +27,10 @@ class Rendered:
     times: dict[str, dict[str, float]]
 
 
-def render(scene, folder: Path, progress: Callable[[int, str], None] | None = None) -> Rendered:
+def render(scene, folder: Path, progress: Callable[[int, float], None] | None = None) -> Rendered:
     """Render the current frame of a scene that is set up. `folder` is for Blender's own file, which is deleted.
 
-    progress(pass number, Blender's words) is called as the render goes. Only the first of the artist's view layers
+    progress(pass, part of it done) is called as the render goes. Only the first of the artist's view layers
     is read. Raises RenderError.
     """
     layers = next(iter(passes.pass_layers(scene).values()))
@@ -37,7 +38,7 @@ def render(scene, folder: Path, progress: Callable[[int, str], None] | None = No
     groups = [group.name for group in scene.relume.light_groups]
     with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
         path = Path(temporary) / "passes.exr"
-        with _Progress(names, progress):
+        with _Progress(progress):
             _render_to(scene, path)
         channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
         times = coefficients.read_render_times(path, names)
@@ -50,6 +51,7 @@ def render(scene, folder: Path, progress: Callable[[int, str], None] | None = No
             alpha=alpha,
             space=bpy.data.colorspace.working_space,
             white_balance=settings.white_balance,
+            white_balance_method=settings.white_balance_method,
             view=_view_of(scene),
             gains={group.name: group.gain for group in settings.light_groups},
         ),
@@ -82,17 +84,20 @@ def _render_to(scene, path: Path):
 
 
 class _Progress:
-    """While it is entered, tells which coefficient pass is being rendered."""
+    """While it is entered, tells how far the render is: Cycles says the sample, and begins at one in every pass."""
 
-    def __init__(self, layers: list[str], tell):
-        self.layers, self.tell = layers, tell
+    _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
 
-    def __call__(self, *arguments):
-        words = next((a for a in arguments if isinstance(a, str)), "")
-        for index, layer in reversed(list(enumerate(self.layers))):
-            if f"| {layer}" in words or f", {layer} " in words:
-                self.tell(index, words)
-                return
+    def __init__(self, tell: Callable[[int, float], None] | None):
+        self.tell, self.index, self.sample = tell, 0, 0
+
+    def __call__(self, words, _):
+        found = self._SAMPLE.search(words or "")
+        if found:
+            sample, samples = map(int, found.groups())
+            self.index += sample < self.sample
+            self.sample = sample
+            self.tell(self.index, sample / samples)
 
     def __enter__(self):
         if self.tell:
@@ -114,19 +119,19 @@ def _view_of(scene) -> dict:
     }
 
 
-def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balance: float, method: str = "bradford"):
-    """(height, width, 3) linear picture of a coefficient image with a light for each of its groups."""
+def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balance: float | None = None):
+    """(height, width, 3) linear picture with a light for each group; the image's own white balance if none is given."""
     matrices = view.recombination_matrices(
         image.model,
         [lights[group] for group in image.groups],
-        white_balance=white_balance,
-        method=method,
+        white_balance=image.white_balance if white_balance is None else white_balance,
+        method=image.white_balance_method,
         space=image.space,
     )
     return coefficients.recombine(list(image.groups.values()), matrices)
 
 
-_FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
+FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
 
 
 def save_picture(path: Path, rgb, image: CoefficientImage):
@@ -134,9 +139,9 @@ def save_picture(path: Path, rgb, image: CoefficientImage):
 
     The file appears whole or not at all. Raises OSError when it cannot be written, ValueError for another extension.
     """
-    if path.suffix.lower() not in _FORMATS:
-        raise ValueError(f"{path}: a picture's name ends in {', '.join(_FORMATS)}")
-    file_format, depth = _FORMATS[path.suffix.lower()]
+    if path.suffix.lower() not in FORMATS:
+        raise ValueError(f"{path}: a picture's name ends in {', '.join(FORMATS)}")
+    file_format, depth = FORMATS[path.suffix.lower()]
     width, height = image.size
     scene = bpy.data.scenes.new("Relume picture")
     buffer = bpy.data.images.new("Relume picture", width, height, alpha=True, float_buffer=True)

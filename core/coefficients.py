@@ -54,6 +54,7 @@ class CoefficientImage:
     alpha: np.ndarray
     space: str = "Linear Rec.709"
     white_balance: float = 0.0
+    white_balance_method: str = "bradford"
     view: Mapping[str, object] = field(default_factory=dict)
     gains: Mapping[str, float] = field(default_factory=dict)
 
@@ -190,6 +191,7 @@ def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> Non
         "gains": dict(image.gains),
         "space": image.space,
         "white_balance": image.white_balance,
+        "white_balance_method": image.white_balance_method,
         "view": dict(image.view),
     }
     names = ["R", "G", "B", "A"]
@@ -251,6 +253,7 @@ def read(path: str | Path) -> CoefficientImage:
         alpha=channels["A"],
         space=header["space"],
         white_balance=header["white_balance"],
+        white_balance_method=header["white_balance_method"],
         view=header["view"],
         gains=header["gains"],
     )

@@ -1,0 +1,169 @@
+"""What the commands do: render a scene into files, relight a file."""
+
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+
+from ..core import coefficients, library, view
+from . import render, setup
+from .setup import SetupError
+
+__all__ = ["Progress", "relight_file", "render_scene"]
+
+
+class Progress:
+    """One line in a terminal that moves; in a log, one line for each pass."""
+
+    def __init__(self, passes: int, words: str = "rendering"):
+        self.passes, self.words, self.last = passes, words, -1
+        self.moving = sys.stderr.isatty()
+
+    def __call__(self, index: int, part: float):
+        if self.moving:
+            width = 30
+            filled = round(width * (index + part) / self.passes)
+            bar = "█" * filled + "·" * (width - filled)
+            print(f"\r{self.words}  {bar}  pass {index + 1} of {self.passes}", end="", file=sys.stderr, flush=True)
+        elif index != self.last:
+            print(f"{self.words}: pass {index + 1} of {self.passes}", file=sys.stderr, flush=True)
+        self.last = index
+
+    def done(self):
+        if self.moving and self.last >= 0:
+            print(file=sys.stderr)
+
+
+def _writable(folder: Path) -> Path:
+    """Make a folder for results, and make sure that files can be written there before anything long begins."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        probe = folder / ".relume-probe"
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        raise OSError(f"{folder}: cannot write there ({error.strerror})") from error
+    return folder
+
+
+def _prepare(scene, channels: str, samples: int | None):
+    if samples is not None:
+        scene.cycles.samples = samples
+    settings = scene.relume
+    chosen = settings.channels if channels == "auto" else channels
+    if settings.is_set_up and samples is None and chosen == settings.channels:
+        return
+    settings.channels = chosen
+    setup.set_up(scene)
+
+
+def _choose_illuminants(scene, chosen: list[str]) -> list[str]:
+    """Put GROUP=NAME into the scene's mixer; returns the plain names. Raises LibraryError, SetupError."""
+    plain = []
+    for text in chosen:
+        group, equals, name = text.rpartition("=")
+        library.illuminant(name)
+        if not equals:
+            plain.append(name)
+            continue
+        if group not in scene.relume.light_groups:
+            known = ", ".join(row.name for row in scene.relume.light_groups)
+            raise SetupError(f"scene {scene.name!r} has no light group {group!r}; it has {known}")
+        scene.relume.light_groups[group].illuminant = name
+    return plain
+
+
+def _file_name(text: str) -> str:
+    """An illuminant's name as part of a file's: without what some file systems forbid."""
+    return "".join("-" if c in '/\\:*?"<>|' else c for c in text).replace(" ", "_")
+
+
+def render_scene(scene, arguments):
+    """`relume render`: the coefficient EXR, a picture for each illuminant, and summary.json."""
+    _prepare(scene, arguments.channels, arguments.samples)
+    settings = scene.relume
+    plain = _choose_illuminants(scene, arguments.illuminant)
+    folder = _writable(arguments.out)
+    stem = Path(bpy.data.filepath).stem or "untitled"
+    frames = arguments.frame or [scene.frame_current]
+    summary = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
+    summary |= {"model": settings.model().name, "frames": []}
+    for frame in frames:
+        scene.frame_set(frame)
+        name = stem if arguments.frame is None else f"{stem}_{frame:04d}"
+        summary["frames"].append(_render_frame(scene, folder, name, plain, frame))
+    path = folder / "summary.json"
+    partial = path.with_suffix(".partial")
+    partial.write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    partial.replace(path)
+    print(path)
+
+
+def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) -> dict:
+    progress = Progress(scene.relume.model().passes, f"rendering {name}")
+    try:
+        rendered = render.render(scene, folder, progress)
+    finally:
+        progress.done()
+    image = rendered.image
+    lights = {row.name: row.light() for row in scene.relume.light_groups}
+    mixes = {"+".join(dict.fromkeys(row.illuminant for row in scene.relume.light_groups)): lights}
+    if plain:
+        # The scene's own mix is a picture of its own only where the caller asked for no other
+        mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}
+    pictures = {n: render.picture(image, mix) for n, mix in mixes.items()}
+    lit = render.picture(image, lights)
+    written = []
+    try:
+        path = folder / f"{name}.exr"
+        coefficients.write(path, image, lit)
+        written.append(path)
+        for illuminant, rgb in pictures.items():
+            path = folder / f"{name}_{_file_name(illuminant)}.png"
+            render.save_picture(path, rgb, image)
+            written.append(path)
+    except OSError:
+        for path in written:
+            path.unlink(missing_ok=True)
+        raise
+    for path in written:
+        print(path)
+    return {
+        "frame": frame,
+        "size": list(image.size),
+        "samples": {layer: times["samples"] for layer, times in rendered.times.items()},
+        "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
+        "light_groups": {group: light.illuminant.name for group, light in lights.items()},
+        "illuminants": list(mixes),
+        "files": [path.name for path in written],
+    }
+
+
+def _lights_of(image, chosen: list[str]) -> dict[str, view.Light]:
+    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
+    lights = {group: view.Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    for text in chosen:
+        group, equals, what = text.rpartition("=")
+        name, _, gain = what.partition("*")
+        if not equals:
+            raise ValueError(f"--light {text}: expected GROUP=ILLUMINANT or GROUP=ILLUMINANT*GAIN")
+        if group not in lights:
+            raise ValueError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
+        try:
+            lights[group] = view.Light(library.illuminant(name), float(gain or 1.0))
+        except ValueError as error:
+            raise ValueError(f"--light {text}: {gain!r} is not a number") from error
+    return lights
+
+
+def relight_file(arguments):
+    """`relume relight`: a picture of a coefficient EXR under other illuminants."""
+    if arguments.out.suffix.lower() not in render.FORMATS:
+        raise ValueError(f"{arguments.out}: a picture's name ends in {', '.join(render.FORMATS)}")
+    image = coefficients.read(arguments.coefficients)
+    lights = _lights_of(image, arguments.light)
+    _writable(arguments.out.parent)
+    render.save_picture(arguments.out, render.picture(image, lights, arguments.white), image)
+    print(arguments.out)
