@@ -2,7 +2,7 @@
 
     python tools/build_extension.py [--platform NAME ...] [--python VERSION ...] [--out DIR]
 
-The shipped files and the wheels are laid out in build/extension/, then packed by Blender's own extension builder,
+The shipped files and the wheels are laid out in a temporary directory and packed by Blender's own extension builder,
 which comes with the bpy package.
 """
 
@@ -12,6 +12,7 @@ import json
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -60,15 +61,12 @@ def blender_packager() -> Path:
 
 def build(out: Path, platforms: list[str], pythons: list[str]) -> list[Path]:
     """Build one zip for each platform into `out` and return their paths."""
-    staging = ROOT / "build/extension"
-    shutil.rmtree(staging, ignore_errors=True)
-    staging.mkdir(parents=True)
-    out.mkdir(parents=True, exist_ok=True)
-    stage(staging, platforms, pythons)
     packager = [sys.executable, blender_packager()]
-    subprocess.run(
-        [*packager, "build", f"--source-dir={staging}", f"--output-dir={out}", "--split-platforms"], check=True
-    )
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as staging:
+        stage(Path(staging), platforms, pythons)
+        command = [*packager, "build", f"--source-dir={staging}", f"--output-dir={out}", "--split-platforms"]
+        subprocess.run(command, check=True)
     zips = [next(out.glob(f"relume-*-{platform.replace('-', '_')}.zip")) for platform in platforms]
     for path in zips:
         subprocess.run([*packager, "validate", path], check=True)
