@@ -12,7 +12,7 @@ import bpy
 
 from . import properties
 
-__all__ = ["blender_command", "main", "register", "unregister"]
+__all__ = ["blender_command", "execute", "main", "register", "unregister"]
 
 _CHANNELS = ["auto", *(name for name, _, _ in properties.CHANNELS)]
 
@@ -111,7 +111,7 @@ def _first_line(error: Exception) -> str:
     return str(error).strip().removeprefix("Error: ").splitlines()[0]
 
 
-def _execute(argv: list[str], in_blender: bool) -> int:
+def execute(argv: list[str], in_blender: bool = False) -> int:
     """Run one command; returns the exit status."""
     try:
         arguments = _arguments(in_blender).parse_args(argv)
@@ -138,7 +138,7 @@ def main(argv: list[str] | None = None):
     from .. import register as register_addon
 
     register_addon()
-    status = _execute(sys.argv[1:] if argv is None else argv, in_blender=False)
+    status = execute(sys.argv[1:] if argv is None else argv)
     sys.stdout.flush()
     sys.stderr.flush()
     # bpy and OpenImageIO both tear down at exit, in an order that makes the latter report leaks
@@ -147,7 +147,7 @@ def main(argv: list[str] | None = None):
 
 def blender_command(argv: list[str]) -> int:
     """Entry point of `blender -c relume`."""
-    return _execute(argv, in_blender=True)
+    return execute(argv, in_blender=True)
 
 
 _registered = []

@@ -71,23 +71,39 @@ def _sync_light_groups(scene) -> list[str]:
     return names
 
 
+def _forget_untouched_rows(settings):
+    """Drop the rows of the mixer in which the artist chose nothing; what was chosen is there when set up again."""
+    rows = settings.light_groups
+    for index in reversed(range(len(rows))):
+        if not (rows[index].is_property_set("illuminant") or rows[index].is_property_set("gain")):
+            rows.remove(index)
+    if not rows:
+        settings.property_unset("light_groups")
+
+
+def _changed_settings(scene):
+    """(owner, its name in the note, property, value for coefficient passes) of each setting that set-up changes."""
+    return [
+        (scene.render, "render", "engine", "CYCLES"),
+        (scene.render, "render", "use_persistent_data", True),
+        (scene.render, "render", "use_compositing", True),
+        (scene.render, "render", "compositor_precision", "FULL"),
+        (scene.cycles, "cycles", "use_layer_samples", "USE"),
+        (scene.cycles, "cycles", "seed", scene.cycles.seed),
+    ]
+
+
 def _keep_settings(scene):
     """Note the scene's own settings and put those that coefficient passes need."""
     scene[_BEFORE] = {
-        "engine": scene.render.engine,
-        "use_persistent_data": scene.render.use_persistent_data,
-        "use_compositing": scene.render.use_compositing,
-        "compositor_precision": scene.render.compositor_precision,
-        "use_layer_samples": scene.cycles.use_layer_samples,
-        "seed": scene.cycles.seed,
-        "drives_seed": not passes.is_driven_or_animated(scene, "cycles.seed"),
-        "had_animation": scene.animation_data is not None,
+        f"{owner}.{name}": getattr(struct, name)
+        for struct, owner, name, _ in _changed_settings(scene)
+        if owner == "render" or struct.is_property_set(name)
     }
-    scene.render.engine = "CYCLES"
-    scene.render.use_persistent_data = True
-    scene.render.use_compositing = True
-    scene.render.compositor_precision = "FULL"
-    scene.cycles.use_layer_samples = "USE"
+    scene[_BEFORE]["drives_seed"] = not passes.is_driven_or_animated(scene, "cycles.seed")
+    scene[_BEFORE]["had_animation"] = scene.animation_data is not None
+    for struct, _, name, value in _changed_settings(scene):
+        setattr(struct, name, value)
     if scene[_BEFORE]["drives_seed"]:
         passes.drive_seed(scene)
 
@@ -100,12 +116,12 @@ def _give_settings_back(scene):
         scene.driver_remove("cycles.seed")
         if not before["had_animation"]:
             scene.animation_data_clear()
-    scene.cycles.seed = before["seed"]
-    scene.cycles.use_layer_samples = before["use_layer_samples"]
-    scene.render.compositor_precision = before["compositor_precision"]
-    scene.render.use_compositing = bool(before["use_compositing"])
-    scene.render.use_persistent_data = bool(before["use_persistent_data"])
-    scene.render.engine = before["engine"]
+    for struct, owner, name, _ in reversed(_changed_settings(scene)):
+        value = before.get(f"{owner}.{name}")
+        if value is None:
+            struct.property_unset(name)
+        else:
+            setattr(struct, name, value)
     del scene[_BEFORE]
 
 
@@ -165,6 +181,7 @@ def remove(scene):
     compositing.remove(scene)
     passes.remove(scene)
     _give_settings_back(scene)
+    _forget_untouched_rows(scene.relume)
     if properties.MODEL in scene:
         del scene[properties.MODEL]
     others = [other for other in bpy.data.scenes if other.relume.is_set_up]

@@ -1,0 +1,110 @@
+"""A full dump of a Blender file: every data-block, every property, every custom property, as plain Python values."""
+
+import bpy
+
+# What changes by itself, or says where a thing is in memory
+_SKIPPED = {"rna_type", "session_uid", "is_updated", "is_updated_data", "tag", "original", "depsgraph", "is_evaluated"}
+_SKIPPED |= {"storage_type"}  # reading a mesh attribute changes how Blender stores it
+_DEPTH = 12
+_MANY = 200  # of vertices and their like the number has to do
+
+
+def dump() -> dict:
+    """{"Collection/Data-block": values} of everything in the file but windows and brushes."""
+    found = {}
+    for collection in bpy.data.bl_rna.properties:
+        if collection.type != "COLLECTION" or collection.identifier in {
+            "window_managers",
+            "screens",
+            "workspaces",
+            "all_ids",
+        }:
+            continue
+        for block in getattr(bpy.data, collection.identifier):
+            found[f"{collection.identifier}/{block.name_full}"] = _struct(block, 0)
+    return found
+
+
+def differences(before: dict, after: dict, path: str = "") -> list[str]:
+    """Paths at which two dumps differ, with both values."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        found = []
+        for key in sorted({*before, *after}, key=str):
+            if key not in before or key not in after:
+                found.append(f"{path}/{key}: {'added' if key not in before else 'missing'}")
+            else:
+                found += differences(before[key], after[key], f"{path}/{key}")
+        return found
+    return [] if before == after else [f"{path}: {before!r} became {after!r}"]
+
+
+def _struct(struct, depth: int) -> dict:
+    values = {}
+    for prop in struct.bl_rna.properties:
+        # Blender itself miscounts the users of a scene when a Render Layers node comes and goes
+        if prop.identifier in _SKIPPED or (prop.identifier == "users" and isinstance(struct, bpy.types.Scene)):
+            continue
+        try:
+            value = getattr(struct, prop.identifier)
+        except (AttributeError, RuntimeError):
+            continue
+        values[prop.identifier] = _value(prop, value, depth)
+    if hasattr(struct, "keys") and hasattr(struct, "id_properties_ensure"):
+        values["custom"] = {key: _custom(struct[key]) for key in _custom_keys(struct)}
+    return values
+
+
+def _custom_keys(struct):
+    try:
+        return [key for key in struct.keys() if key != "cycles"]
+    except TypeError:
+        return []
+
+
+def _custom(value):
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    if isinstance(value, list):
+        return [_custom(item) for item in value]
+    return value.to_list() if hasattr(value, "to_list") else repr(value)
+
+
+def _value(prop, value, depth: int):
+    if prop.type == "POINTER":
+        if value is None or depth > _DEPTH:
+            return None
+        owned = isinstance(value, bpy.types.NodeTree) and value.is_embedded_data
+        if isinstance(value, bpy.types.ID) and not owned:
+            return f"<{value.name_full}>"
+        if prop.identifier in {"node", "from_node", "to_node", "from_socket", "to_socket", "parent", "view_layer"}:
+            return repr(value)
+        return _struct(value, depth + 1)
+    if prop.type == "COLLECTION":
+        if depth > _DEPTH:
+            return None
+        if prop.identifier == "links":
+            return _links(value)
+        if len(value) > _MANY:
+            return len(value)
+        return {f"{i} {getattr(item, 'name', '')}": _member(item, depth) for i, item in enumerate(value)}
+    return _plain(value)
+
+
+def _plain(value):
+    """A copy that lives on when Blender has freed what it came from."""
+    if isinstance(value, (str, bytes, int, float, bool, set, frozenset, type(None))):
+        return value
+    return [_plain(item) for item in value]
+
+
+def _member(item, depth: int):
+    if item is None:
+        return None
+    return f"<{item.name_full}>" if isinstance(item, bpy.types.ID) else _struct(item, depth + 1)
+
+
+def _links(links):
+    return sorted(
+        f"{k.from_node.name}.{k.from_socket.identifier} > {k.to_node.name}.{k.to_socket.identifier} {k.is_muted}"
+        for k in links
+    )

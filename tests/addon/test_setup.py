@@ -1,0 +1,116 @@
+"""Setting up, removing, and the shared state of several scenes."""
+
+import bpy
+import pytest
+from dump import differences, dump
+from mathutils import Color
+
+from relume.addon import passes, setup
+from relume.core import bases
+
+
+@pytest.mark.parametrize("channels", ["3", "9", "reference"])
+def test_remove_gives_back_the_room(room, channels):
+    room.relume.channels = channels
+    before = dump()
+    setup.set_up(room)
+    assert differences(before, dump()), "setting up must change something, or this test shows nothing"
+    setup.remove(room)
+    assert differences(before, dump()) == []
+
+
+def test_remove_gives_back_a_scene_with_colours(startup):
+    before = dump()
+    setup.set_up(startup)
+    assert bpy.data.lights["Light"].color == Color((1.0, 1.0, 1.0)), "the lamp's colour stands in its nodes"
+    setup.remove(startup)
+    assert differences(before, dump()) == []
+
+
+def test_setting_up_twice_is_setting_up_once(startup):
+    setup.set_up(startup)
+    once = dump()
+    setup.set_up(startup)
+    assert differences(once, dump()) == []
+
+
+def test_undo_after_set_up_leaves_a_scene_that_can_be_removed(room):
+    setup.set_up(room)
+    assert [layer.name for layer in passes.pass_layers(room)["ViewLayer"]] == [f"ViewLayer {k}" for k in (1, 2, 3)]
+    assert not room.view_layers["ViewLayer"].use
+    assert [layer.samples for layer in passes.pass_layers(room)["ViewLayer"]] == [2, 2, 2]
+
+
+def test_changing_channels_rebuilds_the_passes(room):
+    setup.set_up(room, bases.fitted(9))
+    setup.set_up(room, bases.fitted(12))
+    assert len(passes.pass_layers(room)["ViewLayer"]) == 4
+
+
+def test_an_artists_compositing_is_kept_and_fed(room):
+    tree = bpy.data.node_groups.new("mine", "CompositorNodeTree")
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    render, blur, output = (
+        tree.nodes.new(kind) for kind in ("CompositorNodeRLayers", "CompositorNodeBlur", "NodeGroupOutput")
+    )
+    tree.links.new(render.outputs["Image"], blur.inputs["Image"])
+    tree.links.new(blur.outputs["Image"], output.inputs["Image"])
+    room.compositing_node_group = tree
+    before = dump()
+    setup.set_up(room)
+    assert blur.inputs["Image"].links[0].from_node.node_tree.name == "Relume Recombination ViewLayer"
+    setup.remove(room)
+    assert differences(before, dump()) == []
+
+
+def test_a_scene_without_camera_or_light_is_refused_and_untouched(room):
+    camera, room.camera = room.camera, None
+    before = dump()
+    with pytest.raises(setup.SetupError, match="no camera"):
+        setup.set_up(room)
+    room.camera = camera
+    for light in list(bpy.data.lights):
+        bpy.data.lights.remove(light)
+    with pytest.raises(setup.SetupError, match="no light"):
+        setup.set_up(room)
+    assert before.keys() >= dump().keys()
+    assert not room.relume.is_set_up
+
+
+def test_a_failure_part_way_gives_the_scene_back(startup, monkeypatch):
+    before = dump()
+
+    def fail(*_):
+        raise RuntimeError("part-way")
+
+    monkeypatch.setattr("relume.addon.compositing.add", fail)
+    with pytest.raises(RuntimeError, match="part-way"):
+        setup.set_up(startup)
+    assert differences(before, dump()) == []
+
+
+def test_two_scenes_share_spectra_and_are_removed_one_by_one(room):
+    before = dump()
+    other = room.copy()
+    other.name = "Other"
+    with_both = dump()
+    setup.set_up(room)
+    setup.set_up(other)
+    setup.remove(other)
+    group = bpy.data.node_groups["red"]
+    assert any(node.type == "GROUP" for node in group.nodes), "the first scene still renders spectra"
+    setup.remove(room)
+    assert differences(with_both, dump()) == []
+    bpy.data.scenes.remove(other)
+    assert differences(before, dump()) == []
+
+
+def test_an_unknown_illuminant_changes_nothing_and_is_told(room):
+    setup.set_up(room)
+    shown = list(room.view_layers["ViewLayer"]["relume_w0"])
+    room.relume.light_groups["tungsten"].illuminant = "FL22"
+    assert "FL2" in room.relume.problem
+    assert list(room.view_layers["ViewLayer"]["relume_w0"]) == shown
+    room.relume.light_groups["tungsten"].illuminant = "FL11"
+    assert room.relume.problem == ""
+    assert list(room.view_layers["ViewLayer"]["relume_w0"]) != shown
