@@ -2,7 +2,7 @@
 
 import numpy as np
 
-__all__ = ["delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "statistics"]
+__all__ = ["delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "picture_delta_E", "statistics"]
 
 
 def lab(xyz, white):
@@ -52,19 +52,39 @@ def delta_E_2000(xyz_a, xyz_b, white):
 
     mean_lightness, mean_chroma = (lab_a[..., 0] + lab_b[..., 0]) / 2, (chroma_a + chroma_b) / 2
     mean_hue = np.where(grey, hue_a + hue_b, (hue_a + turn / 2) % 360)
-    t = (
-        1
-        - 0.17 * np.cos(np.radians(mean_hue - 30))
-        + 0.24 * np.cos(np.radians(2 * mean_hue))
-        + 0.32 * np.cos(np.radians(3 * mean_hue + 6))
-        - 0.20 * np.cos(np.radians(4 * mean_hue - 63))
-    )
-    rotation_angle = np.radians(60 * np.exp(-(((mean_hue - 275) / 25) ** 2)))
-    rotation = -2 * np.sqrt(mean_chroma**7 / (mean_chroma**7 + 25.0**7)) * np.sin(rotation_angle)
     lightness /= 1 + 0.015 * (mean_lightness - 50) ** 2 / np.sqrt(20 + (mean_lightness - 50) ** 2)
     chroma /= 1 + 0.045 * mean_chroma
-    hue /= 1 + 0.015 * mean_chroma * t
-    return np.sqrt(np.maximum(lightness**2 + chroma**2 + hue**2 + rotation * chroma * hue, 0))
+    hue /= 1 + 0.015 * mean_chroma * hue_weight(mean_hue)
+    coupling = rotation(mean_chroma, mean_hue)
+    return np.sqrt(np.maximum(lightness**2 + chroma**2 + hue**2 + coupling * chroma * hue, 0))
+
+
+def hue_weight(hue):
+    """CIEDE2000's T at a hue in degrees."""
+    return (
+        1
+        - 0.17 * np.cos(np.radians(hue - 30))
+        + 0.24 * np.cos(np.radians(2 * hue))
+        + 0.32 * np.cos(np.radians(3 * hue + 6))
+        - 0.20 * np.cos(np.radians(4 * hue - 63))
+    )
+
+
+def rotation(chroma, hue):
+    """CIEDE2000's R_T, the coupling of chroma and hue differences in the blue; hue in degrees, 0..360."""
+    angle = np.radians(60 * np.exp(-(((hue - 275) / 25) ** 2)))
+    return -2 * np.sqrt(chroma**7 / (chroma**7 + 25.0**7)) * np.sin(angle)
+
+
+def picture_delta_E(xyz, truth, white, method=None):
+    """Colour difference of two pictures in XYZ (..., 3), the second the reference -> (...).
+
+    white: XYZ of a perfect white under the light of the scene, of any luminance. Both pictures are exposed alike: the
+    98th percentile of the reference's luminance is shown as white. method: `delta_E_2000` unless another is given.
+    """
+    exposure = np.percentile(truth[..., 1], 98)
+    white = np.asarray(white, dtype=np.float64) / white[1]
+    return (method or delta_E_2000)(truth / exposure, xyz / exposure, white)
 
 
 def _ab(lab_values):
