@@ -9,24 +9,18 @@ from functools import cache
 
 import numpy as np
 
+from . import filters as filter_files
 from . import library, relight
 from .factor_model import FactorModel, ModelError
 from .spectrum import WAVELENGTHS
 
-__all__ = ["bands", "block", "fitted", "named", "prefiltered", "rgb", "scene"]
+__all__ = ["bands", "block", "fitted", "named", "prefiltered", "rgb", "scene", "sharpened"]
 
 # Columns: XYZ of the primaries.
-SRGB = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
+SRGB = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]])
 # [WE] section 2.2: XYZ to Sharp RGB.
 SHARP = np.linalg.inv([[1.2694, -0.0988, -0.1706], [-0.8364, 1.8006, 0.0357], [0.0297, -0.0315, 1.0018]])
 SPACES = {"sharp": SHARP, "srgb": SRGB, "xyz": np.eye(3)}
-
-# nm; optimised for products of the CES under the CIE illuminants
-EDGES = {
-    6: (454, 493, 522, 565, 610),
-    9: (452, 486, 512, 535, 556, 580, 610, 638),
-    12: (423, 449, 478, 506, 526, 540, 555, 580, 602, 621, 646),
-}
 
 
 def rgb():
@@ -45,7 +39,7 @@ def prefiltered(illuminant, space="sharp", name=None):
     filters = weights @ np.linalg.inv(SPACES[space]).T
     sums = filters.sum(axis=0)
     if (sums <= 1e-3 * sums.max()).any():
-        raise ModelError(f"{illuminant.name or 'the illuminant'} is outside the {space} primaries: prefilter for another")
+        raise ModelError(f"{illuminant.name or 'the illuminant'} is outside the {space} primaries")
     return FactorModel(
         name or f"prefiltered {space}", WAVELENGTHS, filters / sums, rule="diagonal", primaries=SPACES[space]
     )
@@ -57,35 +51,94 @@ def block(channels):
     edges = np.linspace(WAVELENGTHS[0] - 2.5, WAVELENGTHS[-1] + 2.5, channels + 1)
     filters = _boxes(edges)
     filters /= filters.sum(axis=0)
-    return FactorModel(
-        "block", WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T)
-    )
+    return FactorModel("block", WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
 
 
 @cache
 def bands(channels=36):
     """The reference: `channels` samples of the spectrum, interpolated for integration.
 
-    Products are exact at the samples for any number of bounces; only interpolation between samples errs. Samples are
-    10 nm apart from 390 nm at 36 channels. Raises ModelError below 33 channels.
+    Products are exact at the samples for any number of bounces; only interpolation between samples errs. At 36 channels
+    the samples are `filters.REFERENCE`, at other numbers equally spaced. Raises ModelError below 33 channels.
     """
     if not 33 <= channels <= WAVELENGTHS.size:
         raise ModelError(f"the reference needs 33 to {WAVELENGTHS.size} channels, not {channels}")
+    samples = np.linspace(390.0, 740.0, channels)
+    if channels == len(filter_files.REFERENCE):
+        samples = np.array(filter_files.REFERENCE, dtype=np.float64)
     if channels == WAVELENGTHS.size:
         samples = WAVELENGTHS
-    else:
-        samples = np.linspace(390.0, 740.0, channels)
     filters = np.stack([np.interp(samples, WAVELENGTHS, row) for row in np.eye(WAVELENGTHS.size)])
-    return FactorModel(
-        "bands", WAVELENGTHS, filters, rule="reconstructed", reconstruction=_cubic(samples)
-    )
+    return FactorModel("bands", WAVELENGTHS, filters, rule="reconstructed", reconstruction=_cubic(samples))
 
 
 @cache
 def fitted(channels=9):
-    """Non-negative filters optimised for products of one to three bounces; the default model."""
+    """Non-negative filters optimised for products of one to three bounces; the default model.
+
+    Optimised filters ship for the 3, 5, 6, 7, 9, 12, 15 and 18 channels; other numbers get adjoining bands
+    weighted by the colour matching functions.
+    """
     _check_channels(channels)
-    return FactorModel("fitted", WAVELENGTHS, _weighted_bands(EDGES.get(channels) or _quantile_edges(channels)))
+    shipped = filter_files.read_filters()
+    filters = shipped[channels] if channels in shipped else filter_files.start_filters(channels)
+    return FactorModel("fitted", WAVELENGTHS, filters)
+
+
+def sharpened(channels, method="nonnegative", lights=None, reflectances=None, intervals=None):
+    """Sharpened principal components of colour signals, spectra rebuilt by the pseudo-inverse [DF].
+
+    method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", the same
+    with non-negative filters ([DF] eq. 12). lights, reflectances: lists of Spectrum, by default CIE daylights and A,
+    and the CES. intervals: (low, high) in nm for each channel, by default equal parts of 400 to 700 nm.
+    Raises ModelError, also where the colour signals have fewer than `channels` independent components.
+    """
+    _check_channels(channels)
+    if method not in ("lagrange", "nonnegative"):
+        raise ModelError(f"no sharpening method {method!r}: choose lagrange or nonnegative")
+    lights = lights or [library.illuminant(name) for name in ("A", "D50", "D55", "D65", "D75")]
+    reflectances = reflectances or library.reflectances("ces")
+    power = np.stack([light.sampled() / light.sampled().max() for light in lights])
+    signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
+    components, strengths, _ = np.linalg.svd(signals.T, full_matrices=False)
+    rank = int((strengths > 1e-3 * strengths[0]).sum())
+    if channels > rank:
+        raise ModelError(f"these colour signals have {rank} independent components above 0.1 %, not {channels}")
+    if intervals is None:
+        edges = np.linspace(400, 700, channels + 1)
+        intervals = list(zip(edges[:-1], edges[1:], strict=True))
+    if len(intervals) != channels:
+        raise ModelError(f"{channels} channels need {channels} intervals, not {len(intervals)}")
+    basis = components[:, :channels]
+    columns = []
+    for low, high in intervals:
+        outside = basis[(low > WAVELENGTHS) | (high < WAVELENGTHS)]
+        if method == "lagrange":
+            # Least energy outside for unit energy overall: the basis is orthonormal, so the smallest eigenvector.
+            column = basis @ np.linalg.eigh(outside.T @ outside)[1][:, 0]
+        else:
+            column = basis @ _least_nonnegative(outside, basis)
+        columns.append(column / column.sum())
+    filters = np.stack(columns, axis=1)
+    name = f"sharpened {method}"
+    return FactorModel(name, WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
+
+
+def _least_nonnegative(outside, basis):
+    """The t of least |outside t| with basis t >= 0 and sum(basis t) = 1 (least distance programming).
+
+    C. L. Lawson, R. J. Hanson, "Solving least squares problems" (1974), chapter 23.
+    """
+    from scipy.optimize import nnls
+
+    gram = outside.T @ outside
+    factor = np.linalg.cholesky(gram + 1e-10 * np.trace(gram) * np.eye(len(gram)))
+    constraints = np.linalg.solve(factor, np.concatenate([basis, basis.sum(axis=0)[None]]).T)
+    bounds = np.zeros(constraints.shape[1])
+    bounds[-1] = 1
+    dual = np.concatenate([constraints, bounds[None]])
+    residual = dual @ nnls(dual, np.eye(len(dual))[-1], maxiter=50 * dual.shape[1])[0] - np.eye(len(dual))[-1]
+    return np.linalg.solve(factor.T, -residual[:-1] / residual[-1])
 
 
 def scene(channels, reflectances, illuminants):
@@ -112,25 +165,13 @@ def _check_channels(channels):
 
 
 def _boxes(edges):
-    """Indicators (81, p) of the bands between p + 1 `edges`, in nm; a sample 5 nm wide may belong to two bands in part."""
+    """Indicators (81, p) of the bands between p + 1 `edges`, in nm; a sample may belong to two in part."""
     low, high = WAVELENGTHS[:, None] - 2.5, WAVELENGTHS[:, None] + 2.5
     return np.clip(np.minimum(high, edges[1:]) - np.maximum(low, edges[:-1]), 0, None) / 5
 
 
-def _weighted_bands(inner_edges):
-    """Adjoining bands weighted by the sum of the colour matching functions -> filters (81, p)."""
-    filters = _boxes(np.array([377.5, *inner_edges, 782.5])) * library.observer().sum(axis=1)[:, None]
-    return filters / filters.sum(axis=0)
-
-
-def _quantile_edges(channels):
-    """Edges that share the matching functions' sum equally, softened towards equal width at the ends."""
-    share = np.cumsum(np.cbrt(library.observer().sum(axis=1)))
-    return np.interp(np.arange(1, channels) / channels, share / share[-1], WAVELENGTHS + 2.5)
-
-
 def _cubic(samples):
-    """Interpolation matrix (81, p): natural cubic through equidistant samples, constant outside them."""
+    """Interpolation matrix (81, p): natural cubic spline through `samples`, constant outside them."""
     from scipy.interpolate import CubicSpline
 
     inside = np.clip(WAVELENGTHS, samples[0], samples[-1])

@@ -9,12 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
-from . import library, relight
+from . import library, relight, training
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["FactorModel", "ModelError"]
 
 RULES = ("fitted", "reconstructed", "diagonal")
+ARRAYS = ("wavelengths", "filters", "reconstruction", "primaries", "reflectances")
 
 
 class ModelError(ValueError):
@@ -26,9 +27,9 @@ class FactorModel:
     """Filters (n, p) on wavelengths (n,) nm, and the rule by which `relight` makes its matrices.
 
     filters: columns sum to 1, so that a flat spectrum of 1 has coefficients 1.
-    rule: "fitted" fits each matrix on products of `reflectances` (m, n), by default the CES; "reconstructed" rebuilds
-        spectra with `reconstruction` (n, p) and integrates them; "diagonal" scales three primaries, whose XYZ are the
-        columns of `primaries` (3, 3).
+    rule: "fitted" fits each matrix on products of `reflectances` (m, n), by default those of `training`;
+        "reconstructed" rebuilds spectra with `reconstruction` (n, p) and integrates them; "diagonal" scales three
+        primaries, whose XYZ are the columns of `primaries` (3, 3).
     Raises ModelError.
     """
 
@@ -41,7 +42,7 @@ class FactorModel:
     reflectances: np.ndarray | None = None
 
     def __post_init__(self):
-        for field in ("wavelengths", "filters", "reconstruction", "primaries", "reflectances"):
+        for field in ARRAYS:
             if getattr(self, field) is not None:
                 array = np.array(getattr(self, field), dtype=np.float64)
                 if not np.isfinite(array).all():
@@ -90,7 +91,8 @@ class FactorModel:
         other = self._sampled(reference)
         if np.allclose(relight.power_weights(power, cmfs), relight.power_weights(other, cmfs), rtol=0, atol=1e-12):
             return np.ones(self.channels)
-        return relight.emitter(self._training, self._matrix(other, cmfs), power, cmfs)
+        weights = relight.power_weights(power, cmfs)
+        return relight.emitter(self._training, self._training_coefficients, self._matrix(other, cmfs), weights)
 
     def reconstruct(self, coefficients):
         """The smoothest spectra (..., n) that have these coefficients (..., p); flat for equal coefficients."""
@@ -98,10 +100,8 @@ class FactorModel:
 
     def to_dict(self):
         """A JSON-able description from which `from_dict` makes the same model."""
-        arrays = ("wavelengths", "filters", "reconstruction", "primaries", "reflectances")
-        description = {"name": self.name, "rule": self.rule}
-        description.update({field: getattr(self, field).tolist() for field in arrays if getattr(self, field) is not None})
-        return description
+        arrays = {field: getattr(self, field) for field in ARRAYS if getattr(self, field) is not None}
+        return {"name": self.name, "rule": self.rule, **{field: array.tolist() for field, array in arrays.items()}}
 
     @classmethod
     def from_dict(cls, description):
@@ -112,12 +112,14 @@ class FactorModel:
             raise ModelError(f"not the description of a factor model: {error}") from None
 
     def _matrix(self, illuminant, cmfs):
+        weights = relight.power_weights(illuminant, cmfs)
         if self.rule == "fitted":
-            return relight.fitted_matrix(self._training, illuminant, cmfs)
+            return relight.fitted_matrices(
+                self._training_coefficients, *relight.targets(self._training, weights[None])
+            )[0]
         if self.rule == "reconstructed":
-            return relight.reconstructed_matrix(self._reconstruction, illuminant, cmfs)
-        white = relight.power_weights(illuminant, cmfs).sum(axis=0)
-        return self.primaries * np.linalg.solve(self.primaries, white)
+            return relight.reconstructed_matrix(self._reconstruction, weights)
+        return self.primaries * np.linalg.solve(self.primaries, weights.sum(axis=0))
 
     def _sampled(self, spectra):
         if isinstance(spectra, Spectrum):
@@ -146,10 +148,20 @@ class FactorModel:
 
     @cached_property
     def _training(self):
-        reflectances = self.reflectances
-        if reflectances is None:
-            reflectances = np.stack([s.sampled(self.wavelengths) for s in library.reflectances("ces")])
-        return relight.training_products(reflectances, self.filters)
+        return training.products(self._training_reflectances)
+
+    @cached_property
+    def _training_coefficients(self):
+        return self._training.coefficients(self._training_reflectances @ self.filters)
+
+    @property
+    def _training_reflectances(self):
+        if self.reflectances is not None:
+            return self.reflectances
+        general = training.reflectances()
+        if np.array_equal(self.wavelengths, WAVELENGTHS):
+            return general
+        return np.stack([np.interp(self.wavelengths, WAVELENGTHS, reflectance) for reflectance in general])
 
     @cached_property
     def _reconstruction(self):

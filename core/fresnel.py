@@ -17,8 +17,10 @@ def reflectance(n, k, cosine):
     root = np.sqrt(difference**2 + 4 * n**2 * k**2)
     a = np.sqrt(np.maximum((root + difference) / 2, 0))
     s = (root + squared - 2 * a * cosine) / (root + squared + 2 * a * cosine + 1e-300)
-    p = s * (squared * root + sine**2 - 2 * a * cosine * sine) / (
-        squared * root + sine**2 + 2 * a * cosine * sine + 1e-300
+    p = (
+        s
+        * (squared * root + sine**2 - 2 * a * cosine * sine)
+        / (squared * root + sine**2 + 2 * a * cosine * sine + 1e-300)
     )
     return (s + p) / 2
 
@@ -66,7 +68,8 @@ def _descend(log_index, target, steps=60):
         )  # (2, angles, q)
         normal = np.einsum("iaq,jaq->qij", slopes, slopes)
         gradient = np.einsum("iaq,aq->qi", slopes, target - current)
-        damped = normal + (damping[:, None] * np.trace(normal, axis1=1, axis2=2)[:, None] + 1e-15)[:, :, None] * np.eye(2)
+        ridge = damping * np.trace(normal, axis1=1, axis2=2) + 1e-15
+        damped = normal + ridge[:, None, None] * np.eye(2)
         move = np.clip(np.linalg.solve(damped, gradient[:, :, None])[:, :, 0].T, -1, 1)
         trial = np.clip(log_index + move, np.log(1e-3), np.log(50))
         reflected_trial = reflected(trial)

@@ -14,6 +14,7 @@ from .spectrum import WAVELENGTHS, Spectrum
 __all__ = [
     "LibraryError",
     "camera",
+    "cie_illuminants",
     "conductor",
     "conductors",
     "glass",
@@ -42,7 +43,13 @@ LAMPS = {
     "Mercury": "Mercury",
     "Metal halide": "Metal Halide",
 }
-ALIASES = {"Sodium": "Sodium (low pressure)", "Tungsten": "A", "Daylight": "D65", "Fluorescent": "FL2", "Equal energy": "E"}
+ALIASES = {
+    "Sodium": "Sodium (low pressure)",
+    "Tungsten": "A",
+    "Daylight": "D65",
+    "Fluorescent": "FL2",
+    "Equal energy": "E",
+}
 
 # name: (book, page) on the shelf "main" of refractiveindex.info unless a third entry names the shelf
 CONDUCTORS = {
@@ -114,20 +121,30 @@ def _measured_illuminants():
 
 
 @cache
+def cie_illuminants():
+    """Names of the 52 CIE illuminants that reach 780 nm, by family."""
+    from colour import SDS_ILLUMINANTS
+
+    names = [name for name in SDS_ILLUMINANTS if not name.startswith("ISO")]
+    return {
+        "Daylight": [name for name in names if re.match(r"I?D\d|[BC]$", name)],
+        "Tungsten": ["A"],
+        "Equal energy": ["E"],
+        "Fluorescent": [name for name in names if name.startswith("FL")],
+        "LED": [name for name in names if name.startswith("LED")],
+        "Discharge": [name for name in names if name.startswith("HP")],
+    }
+
+
+@cache
 def illuminants():
-    """Names of the illuminants by family, for a menu: {family: [name, ...]}."""
+    """Names of all illuminants by family, for a menu: {family: [name, ...]}."""
     from colour import SDS_LIGHT_SOURCES
 
-    cie = [name for name in _measured_illuminants() if name not in SDS_LIGHT_SOURCES and name not in LAMPS]
-    families = {
-        "Daylight": [n for n in cie if re.match(r"I?D\d|[BC]$", n)],
-        "Tungsten": ["A", "Planckian 2700 K", "Planckian 2856 K", "Planckian 3200 K"],
-        "Equal energy": ["E"],
-        "Fluorescent": [n for n in cie if n.startswith("FL")],
-        "LED": [n for n in cie if n.startswith("LED")],
-        "Discharge": [n for n in cie if n.startswith("HP")] + list(LAMPS),
-    }
-    families["Measured lamps"] = [n for n in SDS_LIGHT_SOURCES if n not in LAMPS.values()]
+    families = {family: list(names) for family, names in cie_illuminants().items()}
+    families["Tungsten"] += ["Planckian 2700 K", "Planckian 2856 K", "Planckian 3200 K"]
+    families["Discharge"] += list(LAMPS)
+    families["Measured lamps"] = [name for name in SDS_LIGHT_SOURCES if name not in LAMPS.values()]
     return families
 
 
@@ -163,8 +180,8 @@ def _planckian(kelvin):
     if not 500 <= kelvin <= 100_000:
         raise LibraryError(f"a black body of {kelvin:g} K is out of range: give 500 to 100000 K")
     wavelengths = np.arange(300.0, 835.0, 5.0)
-    with np.errstate(over="ignore"):
-        power = (560 / wavelengths) ** 5 * np.expm1(1.4388e7 / (560 * kelvin)) / np.expm1(1.4388e7 / (wavelengths * kelvin))
+    exponent = 1.4388e7 / (wavelengths * kelvin)
+    power = (560 / wavelengths) ** 5 * np.expm1(1.4388e7 / (560 * kelvin)) / np.expm1(exponent)
     return Spectrum(wavelengths, power, f"Planckian {kelvin:g} K", "illuminant", "Planck's law")
 
 
@@ -314,9 +331,8 @@ def camera(name):
 
 
 def _tabulated(functions):
-    columns = [
-        Spectrum(functions.wavelengths, column, kind="sensitivity").sampled() for column in np.asarray(functions.values).T
-    ]
+    sensitivities = np.asarray(functions.values).T
+    columns = [Spectrum(functions.wavelengths, values, kind="sensitivity").sampled() for values in sensitivities]
     table = np.stack(columns, axis=1)
     table.setflags(write=False)
     return table

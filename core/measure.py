@@ -29,9 +29,7 @@ def delta_E_1994(xyz_a, xyz_b, white):
     chroma_a, chroma_b = np.hypot(*_ab(lab_a)), np.hypot(*_ab(lab_b))
     lightness, chroma = lab_a[..., 0] - lab_b[..., 0], chroma_a - chroma_b
     hue_squared = np.maximum(((lab_a - lab_b)[..., 1:] ** 2).sum(axis=-1) - chroma**2, 0)
-    return np.sqrt(
-        lightness**2 + (chroma / (1 + 0.045 * chroma_a)) ** 2 + hue_squared / (1 + 0.015 * chroma_a) ** 2
-    )
+    return np.sqrt(lightness**2 + (chroma / (1 + 0.045 * chroma_a)) ** 2 + hue_squared / (1 + 0.015 * chroma_a) ** 2)
 
 
 def delta_E_2000(xyz_a, xyz_b, white):

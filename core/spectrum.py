@@ -87,7 +87,7 @@ class Spectrum:
         left, right = knots[:-1], knots[1:]
         points = np.concatenate([left, (left + right) / 2, right])
         weights = np.concatenate([right - left, 4 * (right - left), right - left]) / 6
-        # At a sample that ends the measured range the spectrum steps to zero: such a knot counts on its inner side only.
+        # Where the measured range ends the spectrum steps to zero: the last knot counts on its inner side only.
         inside = np.tile((left >= self.wavelengths[0]) & (right <= self.wavelengths[-1]), 3)
         power = np.interp(points, self.wavelengths, self.values) * weights * inside
         # The end samples stand for half a triangle; dividing by the full step keeps the total power.

@@ -1,0 +1,53 @@
+"""Pictures of pictures: side by side, and maps of colour differences with a colour bar."""
+
+from pathlib import Path
+
+import numpy as np
+
+__all__ = ["delta_e_maps", "picture_row"]
+
+_INCHES = 4.0  # width of one picture on the page
+_DPI = 120
+
+
+def _page(columns: int, rows: int, aspect: float):
+    """A figure of columns × rows pictures, `aspect` high for 1 wide, drawn without a screen."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    size = (_INCHES * columns, (_INCHES * aspect + 0.35) * rows)
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
+    for axis in axes:
+        axis.set_axis_off()
+    return figure, axes
+
+
+def _aspect(pictures) -> float:
+    height, width = pictures[0][1].shape[:2]
+    return height / width
+
+
+def picture_row(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
+    """Write pictures in a row: (title, (height, width, 3) encoded for the display, 0..1) each."""
+    figure, axes = _page(len(pictures), 1, _aspect(pictures))
+    for axis, (title, picture) in zip(axes, pictures, strict=True):
+        axis.imshow(np.clip(picture, 0.0, 1.0), interpolation="lanczos")
+        axis.set_title(title, fontsize=11)
+    figure.savefig(path)
+
+
+def delta_e_maps(path: Path, maps: list[tuple[str, np.ndarray]], vmax: float = 5.0, columns: int = 2) -> None:
+    """Write maps of colour difference (title, (height, width)) in a grid, with one colour bar from 0 to `vmax`.
+
+    The title of each gets the median and the 98th percentile; 1 is a just noticeable difference.
+    """
+    figure, axes = _page(columns, -(-len(maps) // columns), _aspect(maps))
+    for axis, (title, values) in zip(axes, maps, strict=False):
+        shown = axis.imshow(values, vmin=0.0, vmax=vmax, cmap="inferno", interpolation="nearest")
+        median, p98 = np.percentile(values, [50, 98])
+        axis.set_title(f"{title}: median {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
+    bar = figure.colorbar(shown, ax=list(axes), fraction=0.03, extend="max")
+    bar.set_label("ΔE2000 (1 is just noticeable)")
+    figure.savefig(path)
