@@ -9,6 +9,10 @@ from .factor_model import ModelError
 
 __all__ = ["RGB_SPACES", "rgb_matrix", "rgb_to_xyz"]
 
+# XYZ of D65 on the working grid. The spaces' own rounded xy, (0.3127, 0.3290), would leave white itself 0.02 CIEDE2000
+# away from the light that it is seen under.
+D65_WHITE = np.array([0.95042967, 1.0, 1.08880055])
+
 # xy of red, green, blue, white. ACEScg is adapted from its own white to D65, as Blender's colour management does.
 D65 = (0.3127, 0.3290)
 RGB_SPACES = {
@@ -31,10 +35,12 @@ def rgb_to_xyz(space="Linear Rec.709"):
         raise ModelError(f"no RGB space {space!r}: choose {', '.join(RGB_SPACES)}")
     *primaries, white = RGB_SPACES[space]
     columns = np.stack([_xyz(xy) for xy in primaries], axis=1)
-    matrix = columns * np.linalg.solve(columns, _xyz(white))
     if white != D65:
-        gain = (BRADFORD @ _xyz(D65)) / (BRADFORD @ _xyz(white))
+        matrix = columns * np.linalg.solve(columns, _xyz(white))
+        gain = (BRADFORD @ D65_WHITE) / (BRADFORD @ _xyz(white))
         matrix = np.linalg.solve(BRADFORD, gain[:, None] * (BRADFORD @ matrix))
+    else:
+        matrix = columns * np.linalg.solve(columns, D65_WHITE)
     matrix.setflags(write=False)
     return matrix
 
@@ -60,12 +66,9 @@ def _rec709_matrix(model):
     from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
 
     relight = model.relight(library.illuminant("D65"))
-    # The illuminant integrates to D65 within rounding of its chromaticity; the display's white is taken to be it.
-    display = rgb_to_xyz("Linear Rec.709")
-    target = display * np.linalg.solve(display, relight.sum(axis=1))
     values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
     start = model.filters.T @ (values / values.sum(axis=1, keepdims=True))
-    matrix = _nearest(start, relight, target)
+    matrix = _nearest(start, relight, rgb_to_xyz("Linear Rec.709"))
     matrix.setflags(write=False)
     return matrix
 
