@@ -60,8 +60,14 @@ def _feed(tree, first, group, copies, groups):
         image = "Image" if name == EVERYTHING_ELSE else passes.light_pass(name)
         for k, node in enumerate(renders):
             tree.links.new(node.outputs[image], recombination.inputs[f"{name} {k + 1}"])
+    picture = recombination.outputs["Image"]
+    if first.scene.cycles.use_denoising:
+        # Light groups come out of Cycles undenoised, and coefficients are no picture yet
+        denoise = _added(tree, "CompositorNodeDenoise", first, 2.3, 0)
+        tree.links.new(picture, denoise.inputs["Image"])
+        picture = denoise.outputs["Image"]
     for user in users:
-        tree.links.new(recombination.outputs["Image"], user)
+        tree.links.new(picture, user)
 
 
 def _added(tree, kind: str, beside, column: float, row: int):
@@ -86,6 +92,15 @@ def _recombinations(scene):
     return [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
 
 
+def _users(picture):
+    """The sockets that the recombined picture goes to in the end, through the denoiser that Relume put behind it."""
+    for link in list(picture.links):
+        if link.to_node.type == "DENOISE" and _ADDED in link.to_node:
+            yield from _users(link.to_node.outputs["Image"])
+        else:
+            yield link.to_socket
+
+
 def remove(scene):
     """Give the compositing back as it was."""
     tree = scene.compositing_node_group
@@ -93,7 +108,7 @@ def remove(scene):
         return
     for recombination in _recombinations(scene):
         first = recombination.inputs["Alpha"].links[0].from_node
-        for user in [link.to_socket for link in recombination.outputs["Image"].links]:
+        for user in _users(recombination.outputs["Image"]):
             tree.links.new(first.outputs["Image"], user)
     for node in [node for node in tree.nodes if _ADDED in node]:
         tree.nodes.remove(node)

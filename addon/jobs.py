@@ -8,10 +8,10 @@ from pathlib import Path
 import bpy
 
 from ..core import coefficients, library, view
-from . import render, setup
+from . import denoise, render, setup
 from .setup import SetupError
 
-__all__ = ["Progress", "relight_file", "render_scene"]
+__all__ = ["Progress", "relight_file", "render_scene", "writable"]
 
 
 class Progress:
@@ -36,7 +36,7 @@ class Progress:
             print(file=sys.stderr)
 
 
-def _writable(folder: Path) -> Path:
+def writable(folder: Path) -> Path:
     """Make a folder for results, and make sure that files can be written there before anything long begins."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -85,7 +85,7 @@ def render_scene(scene, arguments):
     _prepare(scene, arguments.channels, arguments.samples)
     settings = scene.relume
     plain = _choose_illuminants(scene, arguments.illuminant)
-    folder = _writable(arguments.out)
+    folder = writable(arguments.out)
     stem = Path(bpy.data.filepath).stem or "untitled"
     frames = arguments.frame or [scene.frame_current]
     summary = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
@@ -114,6 +114,11 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
         # The scene's own mix is a picture of its own only where the caller asked for no other
         mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}
     pictures = {n: render.picture(image, mix) for n, mix in mixes.items()}
+    if scene.cycles.use_denoising:
+        if denoise.available():
+            pictures = {n: denoise.denoised(rgb) for n, rgb in pictures.items()}
+        else:
+            print("relume: this Blender has no denoiser; the pictures keep their noise", file=sys.stderr)
     lit = render.picture(image, lights)
     written = []
     try:
@@ -164,6 +169,6 @@ def relight_file(arguments):
         raise ValueError(f"{arguments.out}: a picture's name ends in {', '.join(render.FORMATS)}")
     image = coefficients.read(arguments.coefficients)
     lights = _lights_of(image, arguments.light)
-    _writable(arguments.out.parent)
+    writable(arguments.out.parent)
     render.save_picture(arguments.out, render.picture(image, lights, arguments.white), image)
     print(arguments.out)

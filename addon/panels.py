@@ -45,10 +45,7 @@ def _draw_mixer(layout, settings):
         row.scale_y = 1.4
         row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
     for group in settings.light_groups:
-        box = layout.box()
-        box.label(text=group.name, icon="WORLD" if group.name == EVERYTHING_ELSE else "LIGHT")
-        box.prop(group, "illuminant")
-        box.prop(group, "gain")
+        _draw_light_group(layout, group)
     if settings.problem:
         _draw_problem(layout, settings.problem)
     layout.prop(settings, "white_balance")
@@ -59,6 +56,16 @@ def _draw_mixer(layout, settings):
     layout.prop(settings, "channels")
     layout.prop(settings, "split_samples")
     layout.operator("relume.remove", icon="TRASH")
+
+
+def _draw_light_group(layout, group):
+    box = layout.box().column()
+    box.use_property_split = False
+    row = box.split(factor=0.55)
+    row.label(text=group.name, icon="WORLD" if group.name == EVERYTHING_ELSE else "LIGHT")
+    row.prop(group, "gain")
+    # The name of an illuminant can be long: it has the whole width
+    box.prop(group, "illuminant", text="")
 
 
 def _draw_problem(layout, problem: str, width: int = 38):

@@ -24,6 +24,7 @@ __all__ = [
     "read",
     "read_render",
     "read_render_times",
+    "read_rgb",
     "recombine",
     "write",
 ]
@@ -121,6 +122,14 @@ def _channels(path: Path, wanted) -> dict[str, np.ndarray]:
                 raise CoefficientImageError(f"{path}: the file is damaged or cut short")
             found |= {name: block[..., i] for i, name in enumerate(names) if wanted(name)}
     return found
+
+
+def read_rgb(path: str | Path) -> np.ndarray:
+    """(height, width, 3) float32 of the channels R, G and B of an image."""
+    channels = _channels(Path(path), {"R", "G", "B"}.__contains__)
+    if len(channels) < 3:
+        raise CoefficientImageError(f"{path}: no channels R, G and B")
+    return np.stack([channels[name] for name in "RGB"], axis=-1)
 
 
 def read_render(

@@ -15,7 +15,7 @@ def _page(columns: int, rows: int, aspect: float):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    size = (_INCHES * columns, (_INCHES * aspect + 0.35) * rows)
+    size = (_INCHES * columns, (_INCHES * aspect + 0.45) * rows)
     figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
@@ -47,7 +47,7 @@ def delta_e_maps(path: Path, maps: list[tuple[str, np.ndarray]], vmax: float = 5
     for axis, (title, values) in zip(axes, maps, strict=False):
         shown = axis.imshow(values, vmin=0.0, vmax=vmax, cmap="inferno", interpolation="nearest")
         median, p98 = np.percentile(values, [50, 98])
-        axis.set_title(f"{title}: median {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
+        axis.set_title(f"{title}\nmedian {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
     bar = figure.colorbar(shown, ax=list(axes), fraction=0.03, extend="max")
     bar.set_label("ΔE2000 (1 is just noticeable)")
     figure.savefig(path)

@@ -1,0 +1,88 @@
+"""The panel as an artist meets it: set up, render, choose another light, and see the picture follow."""
+
+from pathlib import Path
+
+import OpenImageIO as oiio
+
+ROOM = Path(__file__).resolve().parents[2] / "assets/room.blend"
+
+PREPARE = """
+import bpy
+
+
+def area_of(kind):
+    return next(area for area in bpy.context.screen.areas if area.type == kind)
+
+
+def open_sidebar():
+    area = area_of("VIEW_3D")
+    area.spaces.active.show_region_ui = True
+    return area
+
+
+def choose_tab(area):
+    next(region for region in area.regions if region.type == "UI").active_panel_category = "Relume"
+"""
+
+
+def _mean(picture: Path, left: float, top: float, right: float, bottom: float):
+    """Mean RGB of a part of a picture, its bounds as parts of the whole."""
+    image = oiio.ImageBuf(str(picture))
+    width, height = image.spec().width, image.spec().height
+    roi = oiio.ROI(int(left * width), int(right * width), int(top * height), int(bottom * height))
+    return oiio.ImageBufAlgo.computePixelStats(image, roi=roi).avg[:3]
+
+
+def test_set_up_render_and_change_the_light(window):
+    pictures = window(
+        PREPARE
+        + """
+def steps():
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = 50
+    scene.cycles.samples = 12
+    area = open_sidebar()
+    yield
+    choose_tab(area)
+    yield "1_before.png"
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    yield "2_set_up.png"
+    # The viewport shows the chosen light too, before anything is rendered
+    area.spaces.active.region_3d.view_perspective = "CAMERA"
+    area.spaces.active.shading.type = "RENDERED"
+    for _ in range(12):
+        yield
+    yield "preview_as_lit.png"
+    for row in scene.relume.light_groups:
+        row.illuminant = "Sodium (low pressure)"
+    for _ in range(12):
+        yield
+    yield "preview_sodium.png"
+    scene.relume.light_groups[0].illuminant, scene.relume.light_groups[1].illuminant = "A", "FL2"
+    area.spaces.active.shading.type = "SOLID"
+    bpy.ops.render.render()
+    with bpy.context.temp_override(area=area, region=next(r for r in area.regions if r.type == "WINDOW")):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.55)
+    left, right = sorted((a for a in bpy.context.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
+    left.spaces.active.show_region_ui = True
+    right.type = "IMAGE_EDITOR"
+    right.spaces.active.image = bpy.data.images["Render Result"]
+    yield
+    choose_tab(left)
+    yield "3_rendered.png"
+    for row in scene.relume.light_groups:
+        row.illuminant = "Sodium (low pressure)"
+    yield
+    yield "4_sodium.png"
+    scene.relume.light_groups[0].illuminant = "Sodum"
+    yield "5_problem.png"
+    bpy.ops.relume.remove()
+    yield "6_removed.png"
+""",
+        ROOM,
+    )
+    assert len(pictures) == 8
+    as_lit, preview = (_mean(pictures[f"preview_{name}.png"], 0.35, 0.35, 0.45, 0.45) for name in ("as_lit", "sodium"))
+    assert preview[2] < 0.4 * as_lit[2], "the viewport follows the illuminant"
+    rendered, sodium = (_mean(pictures[name], 0.17, 0.42, 0.28, 0.55) for name in ("3_rendered.png", "4_sodium.png"))
+    assert sodium[2] < 0.4 * rendered[2], "the picture on the screen follows the illuminant, without a new render"
