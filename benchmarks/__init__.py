@@ -1,0 +1,1 @@
+"""Error against run time, and peers: what the figures in the documentation come from."""
