@@ -141,13 +141,39 @@ def _least_nonnegative(outside, basis):
     return np.linalg.solve(factor.T, -residual[:-1] / residual[-1])
 
 
-def scene(channels, reflectances, illuminants):
-    """`fitted`, specialised to the `reflectances` (list of Spectrum) and `illuminants` of one scene."""
-    if not reflectances:
-        raise ModelError("a scene model needs at least one reflectance")
-    general = fitted(channels)
+def scene(channels, reflectances, illuminants, exact=None):
+    """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
+
+    exact: whether the first bounce under each of the illuminants is to be exact for every reflectance, by default where
+    there are at least 6 channels for each. Such filters have small negative lobes, mostly where the eye sees little;
+    non-negative exact ones exist (the windowed matching functions) but make the second bounce ten times worse.
+    Coefficients of the scene's own reflectances stay positive. Raises ModelError.
+    """
+    _check_channels(channels)
+    if not reflectances or not illuminants:
+        raise ModelError("a scene model needs at least one reflectance and one illuminant")
+    if exact is None:
+        exact = channels >= 6 * len(illuminants)
+    if exact and channels < 3 * len(illuminants):
+        raise ModelError(
+            f"{channels} channels are exact for at most {channels // 3} illuminants, not {len(illuminants)}"
+        )
+    from . import optimise
+
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
-    return FactorModel("scene", WAVELENGTHS, general.filters, reflectances=own)
+    power = np.stack([illuminant.sampled() for illuminant in illuminants])
+    filters = optimise.scene_filters(fitted(channels).filters, own, power)
+    if exact:
+        model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+        matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
+        weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
+        filters = relight.with_exact_lights(filters, matrices, weights)
+        filters /= filters.sum(axis=0)
+    if (own @ filters).min() < 0:
+        raise ModelError(
+            "no filters found that are exact for these illuminants and keep the scene's coefficients positive"
+        )
+    return FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
 
 
 @cache

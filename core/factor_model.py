@@ -27,7 +27,7 @@ class FactorModel:
     """Filters (n, p) on wavelengths (n,) nm, and the rule by which `relight` makes its matrices.
 
     filters: columns sum to 1, so that a flat spectrum of 1 has coefficients 1.
-    rule: "fitted" fits each matrix on products of `reflectances` (m, n), by default those of `training`;
+    rule: "fitted" fits each matrix on products of the scene's `reflectances` (m, n) and those of `training`;
         "reconstructed" rebuilds spectra with `reconstruction` (n, p) and integrates them; "diagonal" scales three
         primaries, whose XYZ are the columns of `primaries` (3, 3).
     Raises ModelError.
@@ -51,6 +51,8 @@ class FactorModel:
                 object.__setattr__(self, field, array)
         if self.rule not in RULES:
             raise ModelError(f"model {self.name!r}: rule {self.rule!r} is none of {', '.join(RULES)}")
+        if self.rule == "fitted" and not np.array_equal(self.wavelengths, WAVELENGTHS):
+            raise ModelError(f"model {self.name!r}: the fitted rule works on 380 to 780 nm at 5 nm")
         if self.filters.ndim != 2 or len(self.filters) != self.wavelengths.size or self.filters.shape[1] == 0:
             raise ModelError(f"model {self.name!r}: filters {self.filters.shape} do not fit its wavelengths")
         if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
@@ -114,6 +116,9 @@ class FactorModel:
     def _matrix(self, illuminant, cmfs):
         weights = relight.power_weights(illuminant, cmfs)
         if self.rule == "fitted":
+            exact = relight.exact_matrix(self.filters, weights)
+            if exact is not None:
+                return exact
             return relight.fitted_matrices(
                 self._training_coefficients, *relight.targets(self._training, weights[None])
             )[0]
@@ -146,22 +151,21 @@ class FactorModel:
             raise SpectrumError(f"an observer needs {self.wavelengths.size} x 3 sensitivities, got {cmfs.shape}")
         return cmfs
 
-    @cached_property
+    @property
     def _training(self):
-        return training.products(self._training_reflectances)
+        return self._training_set[1]
 
     @cached_property
     def _training_coefficients(self):
-        return self._training.coefficients(self._training_reflectances @ self.filters)
+        reflectances, drawn = self._training_set
+        return drawn.coefficients(reflectances @ self.filters)
 
-    @property
-    def _training_reflectances(self):
+    @cached_property
+    def _training_set(self):
+        """Reflectances (m, n) and their products, on this model's wavelengths."""
         if self.reflectances is not None:
-            return self.reflectances
-        general = training.reflectances()
-        if np.array_equal(self.wavelengths, WAVELENGTHS):
-            return general
-        return np.stack([np.interp(self.wavelengths, WAVELENGTHS, reflectance) for reflectance in general])
+            return training.with_general(self.reflectances)
+        return training.general()
 
     @cached_property
     def _reconstruction(self):

@@ -18,7 +18,7 @@ from . import filters as filter_files
 from . import library, relight, training
 from .spectrum import WAVELENGTHS
 
-__all__ = ["Task", "main", "optimised"]
+__all__ = ["Task", "main", "optimised", "scene_filters"]
 
 CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
@@ -37,11 +37,10 @@ class Task:
     white: np.ndarray
 
     @classmethod
-    def of(cls, reflectances, illuminants, bounces=BOUNCES, most=500):
-        """A task for reflectances (m, n) and illuminants (e, n) on WAVELENGTHS, in equal shares."""
+    def of(cls, reflectances, drawn, illuminants):
+        """Products `drawn` (Training) from reflectances (m, n), under illuminants (e, n) in equal shares."""
         cmfs = library.observer()
         weights = np.stack([relight.power_weights(illuminant, cmfs) for illuminant in illuminants])
-        drawn = training.products(reflectances, bounces, most)
         truth, metric, white = relight.targets(drawn, weights)
         return cls(reflectances, drawn, truth, metric / len(illuminants), white)
 
@@ -94,7 +93,9 @@ def general_task(channels):
     """What the shipped filters are made for: the general training set under the CIE illuminants."""
     bounces = BOUNCES if channels > 6 else BOUNCES_OF_FEW
     names = [name for family in library.cie_illuminants().values() for name in family]
-    return Task.of(training.reflectances(), np.stack([library.illuminant(name).sampled() for name in names]), bounces)
+    spectra = training.reflectances()
+    illuminants = np.stack([library.illuminant(name).sampled() for name in names])
+    return Task.of(spectra, training.products(spectra, bounces, most=500), illuminants)
 
 
 def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
@@ -108,6 +109,19 @@ def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
     finished = [optimised(filters, task, 1500) for filters, _ in tries[:3]]
     filters, error = min(finished, key=lambda attempt: attempt[1])
     tell(f"p = {channels}: mean squared error {error:.6f}, from {starts} starts")
+    return filters[:, np.argsort(WAVELENGTHS @ filters)]
+
+
+def scene_filters(start, own, illuminants):
+    """Filters (81, p) for products of a scene's own reflectances (m, 81) under its illuminants (e, 81).
+
+    start: filters (81, p) for the general case; two rougher starts compete with them.
+    """
+    task = Task.of(*training.with_general(own), illuminants)
+    random = np.random.default_rng(len(own))
+    starts = [np.maximum(start, 1e-7), *(filter_files.start_filters(start.shape[1], random) for _ in range(2))]
+    tries = [optimised(filters, task, 80) for filters in starts]
+    filters, _ = optimised(min(tries, key=lambda attempt: attempt[1])[0], task, 500)
     return filters[:, np.argsort(WAVELENGTHS @ filters)]
 
 

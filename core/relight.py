@@ -13,7 +13,15 @@ import numpy as np
 
 from .measure import hue_weight, lab, rotation
 
-__all__ = ["emitter", "fitted_matrices", "power_weights", "reconstructed_matrix", "targets"]
+__all__ = [
+    "emitter",
+    "exact_matrix",
+    "fitted_matrices",
+    "power_weights",
+    "reconstructed_matrix",
+    "targets",
+    "with_exact_lights",
+]
 
 RIDGE = 1e-8  # relative to each unknown's own scale; 1e-3 already raises the error two- to fivefold
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -101,6 +109,21 @@ def fitted_matrices(coefficients, truth, metric, white):
     system = system * scale[:, :, None] * scale[:, None, :] + RIDGE * np.eye(3 * size)
     free = np.linalg.solve(system, (right * scale)[:, :, None])[:, :, 0] * scale
     return even + free.reshape(lights, 3, size) @ normal.T
+
+
+def exact_matrix(filters, weights):
+    """The (3, p) exact for every spectrum, where power weights (n, 3) are combinations of `filters`; else None."""
+    matrix = np.linalg.lstsq(filters, weights, rcond=1e-13)[0]
+    error = np.abs(filters @ matrix - weights).max()
+    return matrix.T if error < 1e-11 * np.abs(weights).max() else None
+
+
+def with_exact_lights(filters, matrix, weights):
+    """The smallest change of `filters` (n, p) that makes `weights` (n, 3 e) combinations of them, by `matrix` (3 e, p).
+
+    Columns still sum to 1 where matrix @ 1 is the column sums of the weights; small lobes may become negative.
+    """
+    return filters + (weights - filters @ matrix.T) @ np.linalg.pinv(matrix).T
 
 
 def weighted(metric, difference):

@@ -14,7 +14,7 @@ import numpy as np
 from . import library
 from .spectrum import WAVELENGTHS
 
-__all__ = ["Training", "products", "reflectances"]
+__all__ = ["Training", "general", "products", "reflectances", "with_general"]
 
 SETS = ("ces", "colorchecker", "tcs", "cqs")
 SEED = 20031103
@@ -52,6 +52,26 @@ def products(spectra, bounces=BOUNCES, most=1000):
         weights.append(np.full(len(chosen), weight / len(chosen) / sum(bounces)))
     spectra = np.concatenate([spectra[chosen].prod(axis=1) for chosen in factors])
     return Training(spectra, tuple(factors), np.concatenate(weights))
+
+
+def with_general(own, bounces=(1.0, 1.0, 2.0), share=0.98, most=500):
+    """Products of a scene's `own` reflectances (m, 81), which have `share` of the weight, and of the general ones.
+
+    -> all the reflectances (m + ..., 81), Training.
+    """
+    general = reflectances()
+    mine, others = products(own, bounces, most), products(general, BOUNCES[:3], most)
+    return np.concatenate([own, general]), Training(
+        np.concatenate([mine.products, others.products]),
+        mine.factors + tuple(chosen + len(own) for chosen in others.factors),
+        np.concatenate([share * mine.weights, (1 - share) * others.weights]),
+    )
+
+
+@cache
+def general():
+    """The general training set: its reflectances (m, 81) and their products -> (array, Training)."""
+    return reflectances(), products(reflectances())
 
 
 @cache
