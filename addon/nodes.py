@@ -23,6 +23,7 @@ __all__ = [
     "insert",
     "light_group",
     "new_spectrum",
+    "plain_of",
     "recombination_group",
     "role",
     "take_out",
@@ -87,7 +88,7 @@ def _choose(tree, column: int, on, plain, spectral):
     """A colour: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
     mix = _add(tree, "ShaderNodeMix", column, data_type="RGBA")
     tree.links.new(on, mix.inputs["Factor"])
-    a, b = (socket for socket in mix.inputs if socket.name in "AB" and socket.type == "RGBA")
+    a, b = _mixed(mix, "A"), _mixed(mix, "B")
     if isinstance(plain, bpy.types.NodeSocket):
         tree.links.new(plain, a)
     else:
@@ -188,6 +189,28 @@ def fill_spectrum_plain(tree, plain: dict[str, tuple]):
             for socket, number in zip(node.inputs, value, strict=True):
                 socket.default_value = number
         tree.links.new(node.outputs[0], output.inputs[name])
+
+
+def plain_of(tree) -> dict[str, tuple]:
+    """The plain values of a spectrum group, whichever way it is filled."""
+    output = next(node for node in tree.nodes if node.type == "GROUP_OUTPUT")
+    found = {}
+    for socket in output.inputs:
+        if not socket.is_linked:
+            continue
+        node = socket.links[0].from_node
+        if node.type == "RGB":
+            found[socket.name] = tuple(node.outputs[0].default_value[:3])
+        elif node.type == "COMBXYZ":
+            found[socket.name] = tuple(number.default_value for number in node.inputs)
+        else:
+            found[socket.name] = tuple(_mixed(node, "A").default_value[:3])
+    return found
+
+
+def _mixed(mix, name: str):
+    """Colour input A or B of a Mix node."""
+    return next(socket for socket in mix.inputs if socket.name == name and socket.type == "RGBA")
 
 
 def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):

@@ -73,7 +73,7 @@ def _fill(tree, model: FactorModel):
     else:
         n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
         coefficients = {"IOR": n, "Extinction": k}
-    nodes.fill_spectrum(tree, _plain(tree), coefficients)
+    nodes.fill_spectrum(tree, nodes.plain_of(tree), coefficients)
 
 
 def _local():
@@ -89,4 +89,4 @@ def update_all(model: FactorModel):
 def restore_all():
     """Leave in every spectrum of this file only its plain colour."""
     for tree in _local():
-        nodes.fill_spectrum_plain(tree, _plain(tree))
+        nodes.fill_spectrum_plain(tree, nodes.plain_of(tree))
