@@ -86,7 +86,9 @@ def _value(prop, value, depth: int):
             return _links(value)
         if len(value) > _MANY:
             return len(value)
-        return {f"{i} {getattr(item, 'name', '')}": _member(item, depth) for i, item in enumerate(value)}
+        # Blender 5.0 keeps sockets of passes that are off until a node is updated
+        members = [item for item in value if not (isinstance(item, bpy.types.NodeSocket) and not item.enabled)]
+        return {f"{i} {getattr(item, 'name', '')}": _member(item, depth) for i, item in enumerate(members)}
     return _plain(value)
 
 

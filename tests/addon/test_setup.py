@@ -9,6 +9,11 @@ from relume.addon import passes, setup
 from relume.core import bases
 
 
+lamps_without_nodes = pytest.mark.xfail(
+    bpy.app.version < (5, 1, 0), reason="Blender 5.0 cannot take back a lamp's node tree: it stays, unused", strict=True
+)
+
+
 @pytest.mark.parametrize("channels", ["3", "9", "reference"])
 def test_remove_gives_back_the_room(room, channels):
     room.relume.channels = channels
@@ -19,6 +24,7 @@ def test_remove_gives_back_the_room(room, channels):
     assert differences(before, dump()) == []
 
 
+@lamps_without_nodes
 def test_remove_gives_back_a_scene_with_colours(startup):
     before = dump()
     setup.set_up(startup)
@@ -77,6 +83,7 @@ def test_a_scene_without_camera_or_light_is_refused_and_untouched(room):
     assert not room.relume.is_set_up
 
 
+@lamps_without_nodes
 def test_a_failure_part_way_gives_the_scene_back(startup, monkeypatch):
     before = dump()
 
