@@ -23,7 +23,7 @@ __all__ = ["Task", "main", "optimised", "scene_filters"]
 CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
-STARTS = 24
+STARTS = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
         start = filter_files.start_filters(channels, random if number else None)
         tries.append(optimised(start, task, 250))
     tries.sort(key=lambda attempt: attempt[1])
-    finished = [optimised(filters, task, 1500) for filters, _ in tries[:3]]
+    finished = [optimised(filters, task, 2500) for filters, _ in tries[:5]]
     filters, error = min(finished, key=lambda attempt: attempt[1])
     tell(f"p = {channels}: mean squared error {error:.6f}, from {starts} starts")
     return filters[:, np.argsort(WAVELENGTHS @ filters)]

@@ -39,7 +39,8 @@ def test_unknown_kind_is_refused():
 
 def test_reflectance_keeps_its_end_values_and_illuminant_ends():
     assert Spectrum([500, 600], [0.2, 0.4]).sampled([400, 550, 700]).tolist() == pytest.approx([0.2, 0.3, 0.4])
-    assert Spectrum([500, 600], [2, 4], kind="illuminant").sampled([400, 550, 700]).tolist() == [0, 3, 0]
+    illuminant = Spectrum([500, 600], [2, 4], kind="illuminant")
+    assert illuminant.sampled([450, 500, 550, 600, 650]).tolist() == [0, 2, 3, 4, 0]
 
 
 def test_fine_illuminant_keeps_power_and_centroid():
