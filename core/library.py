@@ -229,7 +229,7 @@ def reflectances(name):
     from colour.quality.datasets import SDS_TCS, SDS_VS
 
     # colour-science below 0.4.7 has no editions of the test colours: there it is the one of 1995
-    test_colours = SDS_TCS["CIE 1995"] if "CIE 1995" in SDS_TCS else SDS_TCS
+    test_colours = SDS_TCS.get("CIE 1995", SDS_TCS)
     chart = test_colours if name == "tcs" else SDS_VS["NIST CQS 9.0"]
     return [
         Spectrum(patch.wavelengths, patch.values, f"{name.upper()}: {label}", "reflectance", "colour-science")

@@ -8,7 +8,6 @@ from mathutils import Color
 from relume.addon import passes, setup
 from relume.core import bases
 
-
 lamps_without_nodes = pytest.mark.xfail(
     bpy.app.version < (5, 1, 0), reason="Blender 5.0 cannot take back a lamp's node tree: it stays, unused", strict=True
 )
