@@ -4,6 +4,7 @@ Exit status: 0 done, 1 failed with one line that says what and where, 2 wrong us
 """
 
 import argparse
+import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -95,6 +96,8 @@ def _run(arguments: argparse.Namespace) -> None:
     elif arguments.command == "relight":
         jobs.relight_file(arguments)
     else:
+        if importlib.util.find_spec("matplotlib") is None:
+            raise Failure("relume demo draws with matplotlib, which this Python lacks: run it with `make demo`")
         demo.run(arguments.out)
 
 

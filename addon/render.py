@@ -40,8 +40,12 @@ def render(scene, folder: Path, progress: Callable[[int, float], None] | None = 
         path = Path(temporary) / "passes.exr"
         with _Progress(progress):
             _render_to(scene, path)
-        channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
-        times = coefficients.read_render_times(path, names)
+        try:
+            channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
+            times = coefficients.read_render_times(path, names)
+        except coefficients.CoefficientImageError as error:
+            # Blender says nothing when it cannot write the whole of a file
+            raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
     settings = scene.relume
     return Rendered(
         CoefficientImage(
@@ -79,8 +83,6 @@ def _render_to(scene, path: Path):
         for target, values in ((scene.render, before), (output, image_before)):
             for name, value in values.items():
                 setattr(target, name, value)
-    if not path.exists():
-        raise RenderError(f"Blender did not write the render of scene {scene.name!r}; is the disk full?")
 
 
 class _Progress:
@@ -159,9 +161,11 @@ def save_picture(path: Path, rgb, image: CoefficientImage):
             setattr(scene.view_settings, name, value)
         scene.render.dither_intensity = 0.0
         buffer.save_render(str(partial), scene=scene)
+        coefficients.read_rgb(partial)  # Blender says nothing when it cannot write the whole of a file
         partial.replace(path)
-    except (RuntimeError, FileNotFoundError) as error:
-        raise OSError(f"{path}: cannot be written ({str(error).strip().removeprefix('Error: ')})") from error
+    except (RuntimeError, FileNotFoundError, coefficients.CoefficientImageError) as error:
+        reason = str(error).strip().removeprefix("Error: ")
+        raise OSError(f"{path}: cannot be written; is the disk full? ({reason})") from error
     finally:
         partial.unlink(missing_ok=True)
         bpy.data.images.remove(buffer)

@@ -199,16 +199,17 @@ def test_bad_input_is_one_line(room, tmp_path, monkeypatch, capfd, arguments, st
     assert sorted(tmp_path.iterdir()) == before
 
 
-def test_a_render_that_cannot_be_written_leaves_nothing(room, tmp_path, monkeypatch, capfd):
-    from relume.addon import commands
-
-    scene = tmp_path / "little.blend"
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of a file")
+def test_a_disk_that_fills_up_leaves_no_partial_files(room, tmp_path):
+    scene, out = tmp_path / "little.blend", tmp_path / "out"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
-
-    def full(*_):
-        raise OSError(f"{tmp_path / 'out'}: cannot be written (disk full?)")
-
-    monkeypatch.setattr(render, "save_picture", full)
-    assert commands.execute(["render", str(scene), "--out", str(tmp_path / "out")]) == 1
-    assert "disk full" in capfd.readouterr().err
-    assert list((tmp_path / "out").iterdir()) == []
+    script = (
+        "import resource\n"
+        "from relume.addon.commands import main\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
+        f"main(['render', {str(scene)!r}, '--out', {str(out)!r}])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 1
+    assert "disk full" in done.stderr.splitlines()[-1]
+    assert list(out.iterdir()) == []
