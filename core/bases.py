@@ -85,12 +85,13 @@ def fitted(channels=9):
     return FactorModel("fitted", WAVELENGTHS, filters)
 
 
-def sharpened(channels, method="nonnegative", lights=None, reflectances=None, intervals=None):
+def sharpened(channels, method="nonnegative", lights=None, reflectances=None, intervals=None, limits=(380, 780)):
     """Sharpened principal components of colour signals, spectra rebuilt by the pseudo-inverse [DF].
 
     method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", the same
     with non-negative filters ([DF] eq. 12). lights, reflectances: lists of Spectrum, by default CIE daylights and A,
-    and the CES. intervals: (low, high) in nm for each channel, by default equal parts of 400 to 700 nm.
+    and the CES. intervals: (low, high) in nm for each channel, by default equal parts of 400 to 700 nm. Filters vanish
+    outside `limits`, in nm.
     Raises ModelError, also where the colour signals have fewer than `channels` independent components.
     """
     _check_channels(channels)
@@ -100,6 +101,7 @@ def sharpened(channels, method="nonnegative", lights=None, reflectances=None, in
     reflectances = reflectances or library.reflectances("ces")
     power = np.stack([light.sampled() / light.sampled().max() for light in lights])
     signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
+    signals = signals * ((limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS))
     components, strengths, _ = np.linalg.svd(signals.T, full_matrices=False)
     rank = int((strengths > 1e-3 * strengths[0]).sum())
     if channels > rank:
