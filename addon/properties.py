@@ -57,6 +57,7 @@ class LightGroup(PropertyGroup):
         description="The spectrum of the lamps in this light group. Changing it changes the picture without rendering",
         default="D65",
         search=_illuminant_names,
+        search_options=set(),  # only names in the list
         update=_mix_changed,
     )
     gain: FloatProperty(

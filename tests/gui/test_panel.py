@@ -86,3 +86,72 @@ def steps():
     assert preview[2] < 0.4 * as_lit[2], "the viewport follows the illuminant"
     rendered, sodium = (_mean(pictures[name], 0.17, 0.42, 0.28, 0.55) for name in ("3_rendered.png", "4_sodium.png"))
     assert sodium[2] < 0.4 * rendered[2], "the picture on the screen follows the illuminant, without a new render"
+
+
+EVENTS = """
+SET_UP, FIELD = (1156, 667), (1150, 718)  # the button, and then the illuminant of the first light group
+
+
+def event(kind, value, x, y, **options):
+    bpy.context.window.event_simulate(type=kind, value=value, x=x, y=y, **options)
+
+
+def click(x, y):
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield
+    event("LEFTMOUSE", "PRESS", x, y)
+    event("LEFTMOUSE", "RELEASE", x, y)
+    yield
+
+
+def type_text(text, x, y):
+    for letter in text:
+        event(letter.upper() if letter.isalpha() else "SPACE", "PRESS", x, y, unicode=letter)
+        event(letter.upper() if letter.isalpha() else "SPACE", "RELEASE", x, y)
+        yield
+
+
+def press(key, x, y, **modifiers):
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield
+    event(key, "PRESS", x, y, **modifiers)
+    event(key, "RELEASE", x, y)
+    yield
+"""
+
+
+def test_clicks_and_keys(window):
+    pictures = window(
+        PREPARE
+        + EVENTS
+        + """
+def steps():
+    scene = bpy.context.scene
+    area = open_sidebar()
+    yield
+    choose_tab(area)
+    yield
+    yield from click(*SET_UP)
+    yield
+    assert scene.relume.is_set_up
+    yield "1_clicked.png"
+    yield from click(*FIELD)
+    yield "2_search.png"
+    yield from type_text("led b", *FIELD)
+    yield "3_typed.png"
+    yield from press("DOWN_ARROW", *FIELD)
+    yield from press("RET", *FIELD)
+    assert scene.relume.light_groups[0].illuminant.startswith("LED-B"), scene.relume.light_groups[0].illuminant
+    yield "4_chosen.png"
+    yield from press("Z", 500, 300, ctrl=True)
+    scene = bpy.context.scene
+    assert scene.relume.light_groups[0].illuminant == "A", "one undo step takes the choice back"
+    yield "5_undone.png"
+    yield from press("Z", 500, 300, ctrl=True)
+    assert not bpy.context.scene.relume.is_set_up, "the next takes the set-up back"
+    yield "6_not_set_up.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    )
+    assert len(pictures) == 6
