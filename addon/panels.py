@@ -44,8 +44,8 @@ def _draw_mixer(layout, settings):
         row = layout.row()
         row.scale_y = 1.4
         row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
-    for group in settings.light_groups:
-        _draw_light_group(layout, group)
+    for index, group in enumerate(settings.light_groups):
+        _draw_light_group(layout, group, index)
     if settings.problem:
         _draw_problem(layout, settings.problem)
     layout.prop(settings, "white_balance")
@@ -58,14 +58,14 @@ def _draw_mixer(layout, settings):
     layout.operator("relume.remove", icon="TRASH")
 
 
-def _draw_light_group(layout, group):
+def _draw_light_group(layout, group, index):
     box = layout.box().column()
     box.use_property_split = False
     row = box.split(factor=0.55)
     row.label(text=group.name, icon="WORLD" if group.name == EVERYTHING_ELSE else "LIGHT")
     row.prop(group, "gain")
     # The name of an illuminant can be long: it has the whole width
-    box.prop(group, "illuminant", text="")
+    box.operator("relume.choose_illuminant", text=group.illuminant, icon="DOWNARROW_HLT").group = index
 
 
 def _draw_problem(layout, problem: str, width: int = 38):

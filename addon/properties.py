@@ -42,12 +42,6 @@ def _mix_changed(self, context):
     setup.relight(self.id_data)
 
 
-def _illuminant_names(self, context, typed: str):
-    from ..core import library
-
-    return [(name, family) for family, names in library.illuminants().items() for name in names]
-
-
 class LightGroup(PropertyGroup):
     """One row of the mixer: a light group and what shines in it."""
 
@@ -56,8 +50,6 @@ class LightGroup(PropertyGroup):
         name="Illuminant",
         description="The spectrum of the lamps in this light group. Changing it changes the picture without rendering",
         default="D65",
-        search=_illuminant_names,
-        search_options=set(),  # only names in the list
         update=_mix_changed,
     )
     gain: FloatProperty(

@@ -139,7 +139,6 @@ def steps():
     yield "2_search.png"
     yield from type_text("led b", *FIELD)
     yield "3_typed.png"
-    yield from press("DOWN_ARROW", *FIELD)
     yield from press("RET", *FIELD)
     assert scene.relume.light_groups[0].illuminant.startswith("LED-B"), scene.relume.light_groups[0].illuminant
     yield "4_chosen.png"
