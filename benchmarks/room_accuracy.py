@@ -4,7 +4,8 @@
 
 All renders share their random numbers, and Cycles is kept from ending paths or leaving out lamps by a channel's own
 brightness, so that what differs is the model. What noise is left comes from the plastic, whose mirror Cycles samples
-by the weight that it has in a pass: the last rows give it, as the difference of two renders with equal filters.
+by the weight that it has in a pass: the last row, a second reference of 48 bands, shows it together with what 36 bands
+themselves leave out.
 """
 
 import argparse
@@ -119,7 +120,7 @@ def main(argv: list[str] | None = None):
     scene = _open(arguments.samples, arguments.percent)
     truth = _render(scene, bases.bands(36), "reference, 36 bands")
     images = {name: _render(scene, model, name) for name, model in _models().items()}
-    finer = {"noise: 48 bands": _render(scene, bases.bands(48), "noise: 48 bands")}
+    finer = {"reference, 48 bands": _render(scene, bases.bands(48), "reference, 48 bands")}
     ours = {name: image for name, image in images.items() if name.startswith("p =")} | finer
     width, height = truth.size
     lines = [f"{width} × {height} pixels, {arguments.samples} samples in every pass.", ""]

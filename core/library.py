@@ -4,6 +4,7 @@ Names are found without regard to case, spaces and punctuation. Unknown names ra
 """
 
 import difflib
+import os
 import re
 from functools import cache
 
@@ -34,6 +35,9 @@ OBSERVERS = {
     "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
     "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
 }
+# colour-science reads this when it is imported: no warnings of the packages, such as matplotlib, that Blender lacks
+os.environ.setdefault("COLOUR_SCIENCE__FILTER_USAGE_WARNINGS", "True")
+
 REFLECTANCE_SETS = ("ces", "colorchecker", "tcs", "cqs")
 
 # Lamps under the names that artists know, for measurements that colour-science keeps under others.
