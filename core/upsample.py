@@ -51,7 +51,8 @@ def rgb_matrix(model, space="Linear Rec.709"):
 
     A mixture of the smooth basis of Mallett & Yuksel (2019), projected on the filters and corrected by the smallest
     change that makes the round trip exact with coefficients in 0..1 for colours inside Rec.709. Colours outside
-    Rec.709, whichever space they come in, may get coefficients outside 0..1. Below 4 channels exactness decides.
+    Rec.709, whichever space they come in, may get coefficients outside 0..1. Below 4 channels exactness decides; below
+    3 only luminance comes back.
     """
     basic = _rec709_matrix(model)
     if space == "Linear Rec.709":
@@ -65,10 +66,13 @@ def rgb_matrix(model, space="Linear Rec.709"):
 def _rec709_matrix(model):
     from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
 
+    target = rgb_to_xyz("Linear Rec.709")
+    if model.channels < 3:
+        return np.tile(target[1], (model.channels, 1))
     relight = model.relight(library.illuminant("D65"))
     values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
     start = model.filters.T @ (values / values.sum(axis=1, keepdims=True))
-    matrix = _nearest(start, relight, rgb_to_xyz("Linear Rec.709"))
+    matrix = _nearest(start, relight, target)
     matrix.setflags(write=False)
     return matrix
 

@@ -1,0 +1,221 @@
+"""Which model a scene needs, and what it can leave out.
+
+Pixels of the scene are simulated: a surface that the camera sees, light that was reflected up to a number of times,
+each light group's share in it. What a candidate model makes of them is held against the reference model, and the
+cheapest candidate whose 98th percentile stays within the tolerance is chosen.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+
+import numpy as np
+
+from . import bases, measure
+from .factor_model import FactorModel
+from .spectrum import WAVELENGTHS, Spectrum
+from .upsample import rgb_matrix
+
+__all__ = ["Candidate", "Content", "Plan", "choose", "predict"]
+
+SEED = 20240607
+PIXELS = 3000
+CHANNELS = (3, 6, 9, 12, 15)
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a scene shows and how it is lit, as far as the choice of a model depends on it.
+
+    reflectances: the measured spectra. colors: (m, 3) RGB colours of `space`. shares: part of the picture of each
+    reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
+    lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
+    often light is reflected between surfaces at most.
+    """
+
+    reflectances: Sequence[Spectrum] = ()
+    colors: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    shares: np.ndarray | None = None
+    textures: float = 0.0
+    lights: Sequence[Spectrum] = ()
+    choices: Sequence[Spectrum] = ()
+    bounces: int = 4
+    space: str = "Linear Rec.709"
+
+    def __post_init__(self):
+        colors = np.asarray(self.colors, dtype=np.float64).reshape(-1, 3)
+        count = len(self.reflectances) + len(colors)
+        shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
+        if shares.shape != (count,) or (shares < 0).any():
+            raise ValueError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
+        if not self.lights:
+            raise ValueError("a scene needs at least one light")
+        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "shares", shares)
+
+    @property
+    def switches(self) -> bool:
+        """Whether the light may become another than the one rendered for."""
+        lit = self.lights[0].sampled()
+        return any(not np.allclose(_unit(other.sampled()), _unit(lit)) for other in [*self.lights[1:], *self.choices])
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A model and the error that it is expected to make: the 98th percentile of CIEDE2000 over the picture, under the
+    worst of the scene's lightings, whose name is `worst`."""
+
+    model: FactorModel
+    error: float
+    worst: str
+
+    @property
+    def words(self) -> str:
+        """What an artist calls it."""
+        return _NAMES.get(self.model.name, "{p} channels").format(p=self.model.channels)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """The chosen candidate, those that were weighed before it and found too coarse, and the tolerance."""
+
+    chosen: Candidate
+    rejected: tuple[Candidate, ...]
+    tolerance: float
+
+    @property
+    def model(self) -> FactorModel:
+        return self.chosen.model
+
+    @property
+    def passes(self) -> int:
+        return self.model.passes
+
+    def samples(self, total: int) -> int:
+        """Samples of each pass where `total` are shared among them."""
+        return -(-total // self.passes)
+
+    @property
+    def reason(self) -> str:
+        """Why this model, in one sentence."""
+        chosen = self.chosen
+        found = f"{chosen.words}: ΔE {chosen.error:.2f} expected under {chosen.worst}, {self.tolerance:g} allowed"
+        if chosen.error > self.tolerance:
+            return f"{found}; nothing is more exact"
+        if not self.rejected:
+            return found
+        nearest = min(self.rejected, key=lambda candidate: candidate.error)
+        return f"{found}; {nearest.words} would reach {nearest.error:.2f} under {nearest.worst}"
+
+
+_NAMES = {"grey": "no colours, one channel", "bands": "the reference, {p} bands"}
+_NAMES |= {f"prefiltered {space}": f"one light, prefiltered {space} RGB" for space in bases.SPACES}
+
+
+def choose(content: Content, tolerance: float = 1.0) -> Plan:
+    """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
+
+    Of models with as many passes the most exact is taken; where none stays within it, the reference.
+    """
+    if not tolerance > 0:
+        raise ValueError(f"the tolerance is {tolerance}: expected more than 0")
+    rejected = []
+    for alternatives in _candidates(content):
+        weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
+        best = min(weighed, key=lambda candidate: candidate.error)
+        if best.error <= tolerance or best.model.name == "bands":
+            return Plan(best, tuple(rejected), tolerance)
+        rejected += weighed
+    raise AssertionError("the reference is always a candidate")
+
+
+def predict(model: FactorModel, content: Content) -> tuple[float, str]:
+    """98th percentile of CIEDE2000 to the reference, under the scene's worst lighting -> (error, that lighting)."""
+    truth = bases.bands()
+    pixels = _Pixels(content)
+    found, true = pixels.coefficients(model), pixels.coefficients(truth)
+    errors = {"its own lights": _difference(model, truth, found, true, content.lights, pixels.mixture)}
+    for light in content.choices:
+        errors[light.name] = _difference(model, truth, found, true, [light], np.ones((PIXELS, 1)))
+    worst = max(errors, key=errors.get)
+    return errors[worst], worst
+
+
+def _candidates(content: Content) -> Iterator[list[FactorModel]]:
+    """Models by number of passes, those with equally many together."""
+    for channels in CHANNELS:
+        alternatives = [_fitted_to(content, channels)]
+        if channels == CHANNELS[0]:
+            alternatives.insert(0, _grey())
+            if not content.switches:
+                alternatives.append(bases.prefiltered(content.lights[0]))
+        yield alternatives
+    yield [bases.bands()]
+
+
+@cache
+def _grey() -> FactorModel:
+    """One channel, for scenes without colour: whatever shines keeps its own."""
+    return FactorModel("grey", WAVELENGTHS, bases.fitted(1).filters)
+
+
+def _fitted_to(content: Content, channels: int) -> FactorModel:
+    """The fitted filters, with matrices for the scene's spectra: measured, of its colours, of any texture."""
+    truth = bases.bands()
+    colors = content.colors
+    if content.textures > 0:
+        levels = _linear(np.linspace(0, 1, 4))
+        colors = np.concatenate([colors, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
+    upsampled = truth.reconstruct(colors @ rgb_matrix(truth, content.space).T)
+    known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, reflectances=np.array(known))
+
+
+class _Pixels:
+    """Pixels drawn from a scene, always the same: which surfaces light met on its way, and how much of each order."""
+
+    def __init__(self, content: Content):
+        random = np.random.default_rng(SEED)
+        self.content = content
+        shares = np.append(content.shares, content.textures)
+        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(content.shares)), 1.0)
+        orders = 1 + min(content.bounces, 5)
+        # Evenly spread over the surfaces that the camera sees; light comes from any surface
+        seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
+        others = random.choice(len(shares), p=shares, size=(orders - 1, PIXELS))
+        self.surfaces = np.concatenate([seen[None], others])
+        self.texels = _linear(random.random((orders, PIXELS, 3)))
+        direct = random.uniform(0.3, 1.0, PIXELS)
+        order = np.arange(orders - 1)[:, None]
+        rest = (0.5**order / (0.5**order).sum()) * (1 - direct) if orders > 1 else np.empty((0, PIXELS))
+        self.orders = np.concatenate([direct[None], rest])
+        self.mixture = random.dirichlet(np.ones(len(content.lights)), PIXELS)
+
+    def coefficients(self, model: FactorModel) -> np.ndarray:
+        """(pixels, p): what a renderer makes of the pixels with this model."""
+        content, to_coefficients = self.content, rgb_matrix(model, self.content.space)
+        measured = np.empty((0, model.channels))
+        if content.reflectances:
+            measured = model.coefficients(list(content.reflectances))
+        known = np.concatenate([measured, content.colors @ to_coefficients.T, np.zeros((1, model.channels))])
+        factors = known[self.surfaces]
+        unknown = self.surfaces == len(known) - 1
+        factors[unknown] = self.texels[unknown] @ to_coefficients.T
+        return np.einsum("kn,knp->np", self.orders, np.cumprod(factors, axis=0))
+
+
+def _difference(model, truth, found, true, lights, mixture) -> float:
+    """98th percentile of CIEDE2000 between coefficients (pixels, p) of two models under a mixture of lights."""
+    matrices, exact = (np.array([m.relight(light) for light in lights]) for m in (model, truth))
+    xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
+    white = exact.sum(axis=(0, 2)) / len(lights)
+    return float(np.percentile(measure.delta_E_2000(true_xyz, xyz, white), 98))
+
+
+def _linear(encoded):
+    """sRGB values 0..1 to linear: textures are spread evenly over what is seen, not over light."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+
+
+def _unit(power):
+    return power / power.max()

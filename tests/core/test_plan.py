@@ -1,0 +1,93 @@
+"""Plans: the cheapest model within the tolerance, and a prediction that brute force confirms."""
+
+import numpy as np
+import pytest
+
+from relume.core import bases, library, measure, plan, relight
+from relume.core.spectrum import WAVELENGTHS
+
+ROOM = ("red", "blue", "neutral 8 (.23 D)", "blue flower", "green")
+
+
+def light(name):
+    return library.illuminant(name)
+
+
+def room(**more):
+    surfaces = [library.reflectance(f"ColorChecker: {name}") for name in ROOM]
+    return plan.Content(surfaces, lights=[light("A"), light("FL2")], **more)
+
+
+def every_cie_illuminant():
+    return [light(name) for names in library.cie_illuminants().values() for name in names]
+
+
+def test_a_scene_of_greys_needs_one_channel_under_any_light():
+    greys = plan.Content(colors=[[0.8] * 3, [0.1] * 3], lights=[light("A")], choices=every_cie_illuminant())
+    found = plan.choose(greys)
+    assert found.model.channels == 1
+    assert found.passes == 1
+    assert found.chosen.error < 1e-6
+
+
+def test_one_light_that_stays_needs_one_prefiltered_pass_where_bounces_are_few():
+    surfaces = [library.reflectance(f"ColorChecker: {name}") for name in ROOM]
+    found = plan.choose(plan.Content(surfaces, lights=[light("A")], bounces=0))
+    assert found.model.name == "prefiltered sharp"
+    switching = plan.choose(plan.Content(surfaces, lights=[light("A")], choices=[light("FL11")], bounces=0))
+    assert switching.model.name != "prefiltered sharp"
+
+
+@pytest.mark.parametrize("tolerance", [3.0, 1.0, 0.3, 0.1])
+def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
+    found = plan.choose(room(choices=[light("LED-B1"), light("HP1")]), tolerance)
+    assert found.chosen.error <= tolerance
+    assert all(candidate.error > tolerance for candidate in found.rejected)
+    assert all(candidate.model.passes < found.passes for candidate in found.rejected)
+
+
+def test_a_finer_tolerance_never_needs_fewer_passes():
+    passes = [plan.choose(room(), tolerance).passes for tolerance in (5.0, 1.0, 0.2, 0.05, 0.01)]
+    assert passes == sorted(passes)
+
+
+def test_textures_of_any_colour_are_within_the_tolerance_under_every_cie_illuminant():
+    found = plan.choose(plan.Content(textures=1.0, lights=[light("D65")], choices=every_cie_illuminant()))
+    assert found.chosen.error <= 1.0
+    assert found.passes <= 3
+
+
+def test_prediction_agrees_with_full_spectra():
+    """The same scene by brute force: 81 wavelengths, pairs of surfaces drawn afresh, one light at a time."""
+    random = np.random.default_rng(1)
+    content = room()
+    spectra = np.stack([surface.sampled() for surface in content.reflectances])
+    first, second = random.integers(len(spectra), size=(2, 4000))
+    direct = random.uniform(0.3, 1.0, 4000)[:, None]
+    for p in (3, 6, 9):
+        model = plan.FactorModel("scene", WAVELENGTHS, bases.fitted(p).filters, reflectances=spectra)
+        own = model.coefficients(spectra)
+        measured = []
+        for each in content.lights:
+            weights = relight.power_weights(each.sampled(), library.observer())
+            true = (direct * spectra[first] + (1 - direct) * spectra[first] * spectra[second]) @ weights
+            seen = (direct * own[first] + (1 - direct) * own[first] * own[second]) @ model.relight(each).T
+            measured.append(np.percentile(measure.delta_E_2000(true, seen, weights.sum(axis=0)), 98))
+        predicted, _ = plan.predict(model, content)
+        assert predicted == pytest.approx(max(measured), rel=0.5)
+
+
+def test_reason_names_the_model_its_error_and_what_is_coarser():
+    found = plan.choose(room())
+    assert f"{found.model.channels} channels" in found.reason
+    assert f"{found.chosen.error:.2f}" in found.reason
+    assert found.rejected[-1].words in found.reason
+
+
+def test_wrong_content_is_told():
+    with pytest.raises(ValueError, match="at least one light"):
+        plan.Content()
+    with pytest.raises(ValueError, match="as many shares"):
+        room(shares=[1.0])
+    with pytest.raises(ValueError, match="tolerance"):
+        plan.choose(room(), 0.0)
