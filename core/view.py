@@ -145,8 +145,11 @@ def for_passes(matrices: np.ndarray) -> np.ndarray:
 
 
 def coefficient_pass(model: FactorModel, index: int, groups: int, space: str = "Linear Rec.709") -> ViewLayerNumbers:
-    """What the view layer of coefficient pass `index` holds: channels 3·index to 3·index + 2 and white lamps."""
-    channels = slice(3 * index, 3 * index + 3)
+    """What the view layer of coefficient pass `index` holds: channels 3·index to 3·index + 2 and white lamps.
+
+    Where the model ends before the pass does, its last channel fills it: a renderer samples by all three.
+    """
+    channels = np.minimum(3 * index + np.arange(3), model.channels - 1)
     return ViewLayerNumbers(
         spectrum=np.eye(model.channels)[channels],
         rgb=rgb_matrix(model, space)[channels],

@@ -61,6 +61,18 @@ def test_compositor_file_and_numpy_agree(room, tmp_path):
     assert close(read_exr(tmp_path / "room.exr"), by_hand)
 
 
+@pytest.mark.parametrize("channels", [1, 5])
+def test_a_last_pass_may_be_part_empty(room, tmp_path, channels):
+    model = bases.fitted(channels)
+    setup.set_up(room, model)
+    composited = composite(room, tmp_path / "f12.exr")
+    image = render.render(room, tmp_path).image
+    assert all(group.shape[2] == channels for group in image.groups.values())
+    lights = {row.name: row.light() for row in room.relume.light_groups}
+    assert close(composited, render.picture(image, lights))
+    assert composited.mean() > 0.05
+
+
 def test_the_illuminant_changes_the_composited_picture_without_new_coefficients(room, tmp_path):
     setup.set_up(room)
     before = composite(room, tmp_path / "a.exr")
