@@ -37,7 +37,8 @@ def _models():
     return models | {f"p = {p}": bases.fitted(p) for p in (6, 9, 12)}
 
 
-def _open(samples: int, percent: int):
+def open_room(samples: int, percent: int):
+    """The room's scene, set so that renders with different models have the same noise."""
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = percent, samples
@@ -46,7 +47,8 @@ def _open(samples: int, percent: int):
     return scene
 
 
-def _render(scene, model, words: str) -> coefficients.CoefficientImage:
+def render_room(scene, model, words: str) -> coefficients.CoefficientImage:
+    """Set a scene up for a model and render it, telling the terminal in `words`."""
     setup.set_up(scene, model)
     progress = Progress(model.passes, f"{words:<24}")
     try:
@@ -56,7 +58,7 @@ def _render(scene, model, words: str) -> coefficients.CoefficientImage:
         progress.done()
 
 
-def _xyz(image: coefficients.CoefficientImage, lighting: dict[str, str | None]) -> np.ndarray:
+def lit_xyz(image: coefficients.CoefficientImage, lighting: dict[str, str | None]) -> np.ndarray:
     """(height, width, 3) XYZ, with an illuminant for each light group; None is a lamp that is off."""
     model = image.model
     matrices = [
@@ -72,7 +74,9 @@ def _white(model, lighting: dict[str, str | None]) -> np.ndarray:
 
 def _difference(image, truth, lighting, method=measure.delta_E_2000) -> dict[str, float]:
     white = _white(truth.model, lighting)
-    return measure.statistics(measure.picture_delta_E(_xyz(image, lighting), _xyz(truth, lighting), white, method))
+    return measure.statistics(
+        measure.picture_delta_E(lit_xyz(image, lighting), lit_xyz(truth, lighting), white, method)
+    )
 
 
 def _table_1(images, truth) -> list[str]:
@@ -117,10 +121,10 @@ def main(argv: list[str] | None = None):
     from .. import register
 
     register()
-    scene = _open(arguments.samples, arguments.percent)
-    truth = _render(scene, bases.bands(36), "reference, 36 bands")
-    images = {name: _render(scene, model, name) for name, model in _models().items()}
-    finer = {"reference, 48 bands": _render(scene, bases.bands(48), "reference, 48 bands")}
+    scene = open_room(arguments.samples, arguments.percent)
+    truth = render_room(scene, bases.bands(36), "reference, 36 bands")
+    images = {name: render_room(scene, model, name) for name, model in _models().items()}
+    finer = {"reference, 48 bands": render_room(scene, bases.bands(48), "reference, 48 bands")}
     ours = {name: image for name, image in images.items() if name.startswith("p =")} | finer
     width, height = truth.size
     lines = [f"{width} × {height} pixels, {arguments.samples} samples in every pass.", ""]

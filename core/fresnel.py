@@ -2,7 +2,9 @@
 
 import numpy as np
 
-__all__ = ["conductor_channels", "filtered_conductor", "reflectance"]
+from .spectrum import WAVELENGTHS, Spectrum
+
+__all__ = ["conductor_channels", "filtered_conductor", "normal_reflectance", "reflectance"]
 
 # Cosines of the angles that the fit looks at: light that arrives from everywhere comes with equal weight per cosine.
 COSINES = (np.arange(24) + 0.5) / 24
@@ -23,6 +25,11 @@ def reflectance(n, k, cosine):
         / (squared * root + sine**2 + 2 * a * cosine * sine + 1e-300)
     )
     return (s + p) / 2
+
+
+def normal_reflectance(n, k):
+    """Reflectance at normal incidence of a metal of index `n` and extinction `k` (Spectrum) -> Spectrum."""
+    return Spectrum(WAVELENGTHS, reflectance(n.sampled(), k.sampled(), 1.0), n.name)
 
 
 def conductor_channels(model, n, k):
