@@ -4,7 +4,7 @@ import json
 
 import bpy
 
-from ..core import view
+from ..core import grouping, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
 from . import compositing, lights, nodes, passes, properties, sockets, spectra
@@ -31,7 +31,7 @@ def set_up(scene, model: FactorModel | None = None):
         raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
     if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
-    model = model or properties.model_for(scene.relume.channels)
+    model = grouping.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
     others = [s for s in bpy.data.scenes if s != scene and s.get(properties.MODEL, described) != described]

@@ -1,0 +1,38 @@
+"""Channels are shared out among passes so that noise stays as small as that of an RGB render."""
+
+import numpy as np
+import pytest
+
+from relume.core import bases, grouping, library
+
+
+def luminance_shares(model, light):
+    """What each pass adds to the luminance of white."""
+    return model.relight(library.illuminant(light))[1].reshape(-1, 3).sum(axis=1)
+
+
+@pytest.mark.parametrize("channels", [6, 9, 12, 15])
+@pytest.mark.parametrize("light", ["D65", "A", "FL11", "HP1"])
+def test_passes_share_luminance_evenly(channels, light):
+    model = bases.fitted(channels)
+    shares, before = (luminance_shares(each, light) for each in (grouping.balanced(model), model))
+    variance, variance_before = (len(s) * np.square(s).sum() for s in (shares, before))  # 1 is that of an RGB render
+    assert variance < 0.95 * variance_before
+    assert variance < 1.2 or light in ("FL11", "HP1")  # whose lines each stand in one channel alone
+
+
+def test_the_model_is_the_same_but_for_the_order_of_its_channels():
+    model = bases.fitted(9)
+    found = grouping.balanced(model)
+    red, blue = (library.reflectance(f"ColorChecker: {name}") for name in ("red", "blue"))
+    for light in ("A", "FL2"):
+        illuminant = library.illuminant(light)
+        product = found.coefficients(red) * found.coefficients(blue)
+        expected = model.relight(illuminant) @ (model.coefficients(red) * model.coefficients(blue))
+        assert found.relight(illuminant) @ product == pytest.approx(expected, rel=1e-6)
+    assert grouping.balanced(bases.bands()).reconstruct(np.ones(36)) == pytest.approx(np.ones(81))
+
+
+def test_one_pass_and_part_empty_passes_stay_as_they_are():
+    for model in (bases.fitted(3), bases.fitted(5), bases.rgb()):
+        assert grouping.balanced(model) is model
