@@ -4,6 +4,7 @@ Exit status: 0 done, 1 failed with one line that says what and where, 2 wrong us
 """
 
 import argparse
+import importlib
 import importlib.util
 import os
 import sys
@@ -14,6 +15,12 @@ import bpy
 from . import properties
 
 __all__ = ["blender_command", "execute", "main", "register", "unregister"]
+
+# Commands of the core, which read their own arguments.
+_REPORTS = {
+    "tables": "the tables of Drew & Finlayson (2003), made again",
+    "stability": "what every model does with difficult input",
+}
 
 _CHANNELS = ["auto", *(name for name, _, _ in properties.CHANNELS)]
 
@@ -56,6 +63,9 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     demo.add_argument("--out", type=Path, metavar="DIR", default=Path("out/demo"), help="folder for the results")
+
+    for name, words in _REPORTS.items():
+        commands.add_parser(name, help=words, add_help=False)
     return parser
 
 
@@ -117,6 +127,8 @@ def _first_line(error: Exception) -> str:
 def execute(argv: list[str], in_blender: bool = False) -> int:
     """Run one command; returns the exit status."""
     try:
+        if argv and argv[0] in _REPORTS:
+            return importlib.import_module(f"..core.{argv[0]}", __package__).main(argv[1:])
         arguments = _arguments(in_blender).parse_args(argv)
     except SystemExit as stop:
         return stop.code or 0

@@ -45,10 +45,10 @@ def prefiltered(illuminant, space="sharp", name=None):
     )
 
 
-def block(channels):
-    """Equal bands that tile 380 to 780 nm, spectra rebuilt by the pseudo-inverse ([DF] section 3.C)."""
+def block(channels, limits=(380, 780)):
+    """Equal bands that tile `limits`, in nm, spectra rebuilt by the pseudo-inverse ([DF] section 3.C)."""
     _check_channels(channels)
-    edges = np.linspace(WAVELENGTHS[0] - 2.5, WAVELENGTHS[-1] + 2.5, channels + 1)
+    edges = np.linspace(limits[0] - 2.5, limits[1] + 2.5, channels + 1)
     filters = _boxes(edges)
     filters /= filters.sum(axis=0)
     return FactorModel("block", WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
@@ -85,62 +85,101 @@ def fitted(channels=9):
     return FactorModel("fitted", WAVELENGTHS, filters)
 
 
-def sharpened(channels, method="nonnegative", lights=None, reflectances=None, intervals=None, limits=(380, 780)):
+def sharpened(
+    channels,
+    method="nonnegative",
+    lights=None,
+    reflectances=None,
+    intervals=None,
+    limits=(380, 780),
+    outside="energy",
+):
     """Sharpened principal components of colour signals, spectra rebuilt by the pseudo-inverse [DF].
 
-    method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", the same
-    with non-negative filters ([DF] eq. 12). lights, reflectances: lists of Spectrum, by default CIE daylights and A,
-    and the CES. intervals: (low, high) in nm for each channel, by default equal parts of 400 to 700 nm. Filters vanish
-    outside `limits`, in nm.
+    method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", unit area
+    inside and least outside with non-negative filters ([DF] eq. 12). lights, reflectances: lists of Spectrum, by
+    default CIE daylights and A, and the CES. intervals: (low, high) in nm for each channel, by default equal parts of
+    `limits`, also in nm, outside which filters vanish. outside: what "nonnegative" has least of there, "energy" (a
+    quadratic programme) or "area" (a linear one).
     Raises ModelError, also where the colour signals have fewer than `channels` independent components.
     """
     _check_channels(channels)
     if method not in ("lagrange", "nonnegative"):
         raise ModelError(f"no sharpening method {method!r}: choose lagrange or nonnegative")
+    if outside not in ("energy", "area"):
+        raise ModelError(f"no measure {outside!r} of what lies outside: choose energy or area")
     lights = lights or [library.illuminant(name) for name in ("A", "D50", "D55", "D65", "D75")]
     reflectances = reflectances or library.reflectances("ces")
-    power = np.stack([light.sampled() / light.sampled().max() for light in lights])
-    signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
-    signals = signals * ((limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS))
-    components, strengths, _ = np.linalg.svd(signals.T, full_matrices=False)
-    rank = int((strengths > 1e-3 * strengths[0]).sum())
-    if channels > rank:
-        raise ModelError(f"these colour signals have {rank} independent components above 0.1 %, not {channels}")
+    basis = _principal_components(channels, lights, reflectances, limits)
     if intervals is None:
-        edges = np.linspace(400, 700, channels + 1)
+        edges = np.linspace(*limits, channels + 1)
         intervals = list(zip(edges[:-1], edges[1:], strict=True))
     if len(intervals) != channels:
         raise ModelError(f"{channels} channels need {channels} intervals, not {len(intervals)}")
-    basis = components[:, :channels]
     columns = []
     for low, high in intervals:
-        outside = basis[(low > WAVELENGTHS) | (high < WAVELENGTHS)]
+        inside = (low <= WAVELENGTHS) & (high >= WAVELENGTHS)
+        if not inside.any():
+            raise ModelError(f"the interval {low:g} to {high:g} nm holds none of the wavelengths, 5 nm apart")
         if method == "lagrange":
             # Least energy outside for unit energy overall: the basis is orthonormal, so the smallest eigenvector.
-            column = basis @ np.linalg.eigh(outside.T @ outside)[1][:, 0]
+            weights = np.linalg.eigh(basis[~inside].T @ basis[~inside])[1][:, 0]
+        elif outside == "energy":
+            weights = _least_energy(basis, inside)
         else:
-            column = basis @ _least_nonnegative(outside, basis)
+            weights = _least_area(basis, inside)
+        column = basis @ weights
         columns.append(column / column.sum())
     filters = np.stack(columns, axis=1)
+    if method == "nonnegative":
+        # The programmes keep their constraints to some 1e-12 only.
+        filters = np.maximum(filters, 0)
+        filters /= filters.sum(axis=0)
     name = f"sharpened {method}"
     return FactorModel(name, WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
 
 
-def _least_nonnegative(outside, basis):
-    """The t of least |outside t| with basis t >= 0 and sum(basis t) = 1 (least distance programming).
+def _principal_components(count, lights, reflectances, limits):
+    """The first left singular vectors (81, count) of all lights times all reflectances. Raises ModelError."""
+    power = np.stack([light.sampled() / light.sampled().max() for light in lights])
+    signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
+    within = (limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS)
+    components, strengths, _ = np.linalg.svd((signals * within).T, full_matrices=False)
+    rank = int((strengths > 1e-3 * strengths[0]).sum())
+    if count > rank:
+        raise ModelError(f"these colour signals have {rank} independent components above 0.1 %, not {count}")
+    return components[:, :count] * within[:, None]
+
+
+def _least_energy(basis, inside):
+    """The t of least |basis t| outside, with basis t >= 0 and unit sum inside (least distance programming).
 
     C. L. Lawson, R. J. Hanson, "Solving least squares problems" (1974), chapter 23.
     """
     from scipy.optimize import nnls
 
-    gram = outside.T @ outside
-    factor = np.linalg.cholesky(gram + 1e-10 * np.trace(gram) * np.eye(len(gram)))
-    constraints = np.linalg.solve(factor, np.concatenate([basis, basis.sum(axis=0)[None]]).T)
+    gram = basis[~inside].T @ basis[~inside]
+    factor = np.linalg.cholesky(gram + 1e-12 * np.trace(gram) * np.eye(len(gram)))
+    positive = basis[basis.any(axis=1)]
+    constraints = np.linalg.solve(factor, np.concatenate([positive, basis[inside].sum(axis=0)[None]]).T)
     bounds = np.zeros(constraints.shape[1])
     bounds[-1] = 1
     dual = np.concatenate([constraints, bounds[None]])
-    residual = dual @ nnls(dual, np.eye(len(dual))[-1], maxiter=50 * dual.shape[1])[0] - np.eye(len(dual))[-1]
+    residual = dual @ nnls(dual, np.eye(len(dual))[-1], maxiter=100 * dual.shape[1])[0] - np.eye(len(dual))[-1]
     return np.linalg.solve(factor.T, -residual[:-1] / residual[-1])
+
+
+def _least_area(basis, inside):
+    """The t of least sum of basis t outside, with basis t >= 0 and unit sum inside (linear programming)."""
+    from scipy.optimize import linprog
+
+    equal = basis[inside].sum(axis=0)[None]
+    result = linprog(
+        basis[~inside].sum(axis=0), A_ub=-basis, b_ub=np.zeros(len(basis)), A_eq=equal, b_eq=[1], bounds=(None, None)
+    )
+    if result.x is None:
+        raise ModelError(f"no non-negative filter has any part in {WAVELENGTHS[inside]} nm: {result.message}")
+    return result.x
 
 
 def scene(channels, reflectances, illuminants, exact=None):
