@@ -61,6 +61,7 @@ def bands(channels=36):
     Products are exact at the samples for any number of bounces; only interpolation between samples errs. At 36 channels
     the samples are `filters.REFERENCE`, at other numbers equally spaced. Raises ModelError below 33 channels.
     """
+    _check_channels(channels)
     if not 33 <= channels <= WAVELENGTHS.size:
         raise ModelError(f"the reference needs 33 to {WAVELENGTHS.size} channels, not {channels}")
     samples = np.linspace(390.0, 740.0, channels)
@@ -141,7 +142,10 @@ def sharpened(
 
 def _principal_components(count, lights, reflectances, limits):
     """The first left singular vectors (81, count) of all lights times all reflectances. Raises ModelError."""
-    power = np.stack([light.sampled() / light.sampled().max() for light in lights])
+    power = np.stack([light.sampled() for light in lights])
+    if not (power.max(axis=1) > 0).all():
+        raise ModelError(f"{lights[int(np.argmin(power.max(axis=1)))].name or 'a light'} has no power in 380 to 780 nm")
+    power /= power.max(axis=1, keepdims=True)
     signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
     within = (limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS)
     components, strengths, _ = np.linalg.svd((signals * within).T, full_matrices=False)

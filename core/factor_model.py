@@ -44,21 +44,37 @@ class FactorModel:
     def __post_init__(self):
         for field in ARRAYS:
             if getattr(self, field) is not None:
-                array = np.array(getattr(self, field), dtype=np.float64)
+                try:
+                    array = np.array(getattr(self, field), dtype=np.float64)
+                except (TypeError, ValueError):
+                    raise ModelError(f"model {self.name!r}: {field} must be numbers") from None
                 if not np.isfinite(array).all():
                     raise ModelError(f"model {self.name!r}: {field} must be finite numbers")
                 array.setflags(write=False)
                 object.__setattr__(self, field, array)
         if self.rule not in RULES:
             raise ModelError(f"model {self.name!r}: rule {self.rule!r} is none of {', '.join(RULES)}")
+        self._check_shapes()
         if self.rule == "fitted" and not np.array_equal(self.wavelengths, WAVELENGTHS):
             raise ModelError(f"model {self.name!r}: the fitted rule works on 380 to 780 nm at 5 nm")
-        if self.filters.ndim != 2 or len(self.filters) != self.wavelengths.size or self.filters.shape[1] == 0:
-            raise ModelError(f"model {self.name!r}: filters {self.filters.shape} do not fit its wavelengths")
         if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
             raise ModelError(f"model {self.name!r}: every filter must sum to 1")
-        if self.rule == "diagonal" and self.primaries is None:
-            raise ModelError(f"model {self.name!r}: the diagonal rule needs primaries")
+        if self.rule == "diagonal" and (self.primaries is None or self.channels != 3):
+            raise ModelError(f"model {self.name!r}: the diagonal rule needs three channels and their primaries")
+
+    def _check_shapes(self):
+        if self.wavelengths.ndim != 1 or not np.allclose(steps := np.diff(self.wavelengths), abs(steps[:1]), rtol=1e-6):
+            raise ModelError(f"model {self.name!r}: wavelengths must increase in equal steps")
+        count = self.wavelengths.size
+        if self.filters.ndim != 2 or len(self.filters) != count or self.filters.shape[1] == 0:
+            raise ModelError(f"model {self.name!r}: filters {self.filters.shape} do not fit {count} wavelengths")
+        expected = {"reconstruction": self.filters.shape, "primaries": (3, 3)}
+        if self.reflectances is not None:
+            expected["reflectances"] = (len(np.atleast_1d(self.reflectances)), count)
+        for field, shape in expected.items():
+            array = getattr(self, field)
+            if array is not None and array.shape != shape:
+                raise ModelError(f"model {self.name!r}: {field} must be {shape}, not {array.shape}")
 
     @property
     def channels(self):
@@ -80,14 +96,15 @@ class FactorModel:
     def relight(self, illuminant, observer="CIE 1931 2°"):
         """XYZ of a product of coefficients under `illuminant`, with Y = 1 for a perfect white -> (3, p).
 
-        observer: a name that `library.observer` knows, or sensitivities (n, 3) whose second column takes Y's place.
+        observer: the name of an observer or camera that `library.sensitivities` knows, or sensitivities, (n, 3) or
+        three Spectrum, the second of which takes Y's place. Raises SpectrumError, library.LibraryError.
         """
         return self._matrix(self._sampled(illuminant), self._observer(observer))
 
     def emission(self, illuminant, reference, observer="CIE 1931 2°"):
         """Coefficients (p,) of a light of this `illuminant` whose light group is relit by `reference`.
 
-        A perfect white has Y = 1 under it. All ones where the two are the same.
+        A perfect white has Y = 1 under it. All ones where the two are the same. Raises as `relight` does.
         """
         power, cmfs = self._sampled(illuminant), self._observer(observer)
         other = self._sampled(reference)
@@ -97,8 +114,16 @@ class FactorModel:
         return relight.emitter(self._training, self._training_coefficients, self._matrix(other, cmfs), weights)
 
     def reconstruct(self, coefficients):
-        """The smoothest spectra (..., n) that have these coefficients (..., p); flat for equal coefficients."""
-        return np.asarray(coefficients) @ self._reconstruction.T
+        """The smoothest spectra (..., n) that have these coefficients (..., p); flat for equal coefficients.
+
+        Raises ModelError.
+        """
+        coefficients = np.asarray(coefficients, dtype=np.float64)
+        if coefficients.ndim == 0 or coefficients.shape[-1] != self.channels:
+            raise ModelError(f"expected {self.channels} coefficients per spectrum, got an array {coefficients.shape}")
+        if not np.isfinite(coefficients).all():
+            raise ModelError("coefficients must be finite numbers")
+        return coefficients @ self._reconstruction.T
 
     def to_dict(self):
         """A JSON-able description from which `from_dict` makes the same model."""
@@ -142,14 +167,21 @@ class FactorModel:
 
     def _observer(self, observer):
         if isinstance(observer, str):
-            cmfs = library.observer(observer)
-            if np.array_equal(self.wavelengths, WAVELENGTHS):
-                return cmfs
-            return np.stack([np.interp(self.wavelengths, WAVELENGTHS, column) for column in cmfs.T], axis=1)
+            return self._on_own_wavelengths(library.sensitivities(observer).T).T
+        if len(observer) == 3 and all(isinstance(one, Spectrum) for one in observer):
+            return np.stack([one.sampled(self.wavelengths) for one in observer], axis=1)
         cmfs = np.asarray(observer, dtype=np.float64)
-        if cmfs.shape != (self.wavelengths.size, 3):
-            raise SpectrumError(f"an observer needs {self.wavelengths.size} x 3 sensitivities, got {cmfs.shape}")
+        if cmfs.shape != (self.wavelengths.size, 3) or not np.isfinite(cmfs).all():
+            raise SpectrumError(
+                f"an observer needs {self.wavelengths.size} x 3 finite sensitivities, got an array {cmfs.shape}"
+            )
         return cmfs
+
+    def _on_own_wavelengths(self, rows):
+        """Rows (m, 81) on WAVELENGTHS -> (m, n)."""
+        if np.array_equal(self.wavelengths, WAVELENGTHS):
+            return rows
+        return np.stack([np.interp(self.wavelengths, WAVELENGTHS, row) for row in rows])
 
     @property
     def _training(self):
@@ -163,6 +195,9 @@ class FactorModel:
     @cached_property
     def _training_set(self):
         """Reflectances (m, n) and their products, on this model's wavelengths."""
+        if self.rule != "fitted" and not np.array_equal(self.wavelengths, WAVELENGTHS):
+            own = self._on_own_wavelengths(training.reflectances())
+            return own, training.products(own)
         if self.reflectances is not None:
             return training.with_general(self.reflectances)
         return training.general()

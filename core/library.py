@@ -27,6 +27,7 @@ __all__ = [
     "observers",
     "reflectance",
     "reflectances",
+    "sensitivities",
 ]
 
 OBSERVERS = {
@@ -106,7 +107,7 @@ def _find(name, names, what):
     if _key(name) in by_key:
         return by_key[_key(name)]
     near = [by_key[key] for key in difflib.get_close_matches(_key(name), by_key, n=3, cutoff=0.4)]
-    hint = f"; nearest: {', '.join(near)}" if near else ""
+    hint = f"; nearest: {', '.join(near)}" if near else f"; there are {', '.join(names)}" if len(names) < 20 else ""
     raise LibraryError(f"no {what} named {name!r}{hint}")
 
 
@@ -334,6 +335,16 @@ def camera(name):
     from colour import MSDS_CAMERA_SENSITIVITIES
 
     return _tabulated(MSDS_CAMERA_SENSITIVITIES[_find(name, MSDS_CAMERA_SENSITIVITIES, "camera")])
+
+
+def sensitivities(name):
+    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
+    from colour import MSDS_CAMERA_SENSITIVITIES
+
+    known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *MSDS_CAMERA_SENSITIVITIES], "observer or camera")
+    if known in MSDS_CAMERA_SENSITIVITIES:
+        return camera(known)
+    return observer(next(short for short, full in OBSERVERS.items() if known in (short, full)))
 
 
 def _tabulated(functions):

@@ -2,15 +2,22 @@
 
 import numpy as np
 
-__all__ = ["delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "picture_delta_E", "statistics"]
+__all__ = ["MeasureError", "delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "picture_delta_E", "statistics"]
+
+
+class MeasureError(ValueError):
+    """Colours that cannot be compared; the message says why."""
 
 
 def lab(xyz, white):
-    """CIELAB of XYZ (..., 3) relative to `white` (..., 3), both in the same unit (CIE 15). White needs Y > 0.
+    """CIELAB of XYZ (..., 3) relative to `white` (..., 3), both in the same unit (CIE 15).
 
-    A single line may have X or Z of zero: such a white is floored at 1e-6 of its Y.
+    A single line may have X or Z of zero: such a white is floored at 1e-6 of its Y. Raises MeasureError for a white
+    without luminance.
     """
     white = np.asarray(white, dtype=np.float64)
+    if not (white[..., 1] > 0).all():
+        raise MeasureError("the white that colours are compared under must have a positive luminance")
     ratio = np.asarray(xyz, dtype=np.float64) / np.maximum(white, 1e-6 * white[..., 1:2])
     linear = (24389 / 27 * ratio + 16) / 116
     f = np.where(ratio > 216 / 24389, np.cbrt(np.maximum(ratio, 0)), linear)
@@ -79,8 +86,11 @@ def picture_delta_E(xyz, truth, white, method=None):
 
     white: XYZ of a perfect white under the light of the scene, of any luminance. Both pictures are exposed alike: the
     98th percentile of the reference's luminance is shown as white. method: `delta_E_2000` unless another is given.
+    Raises MeasureError for a reference that is black.
     """
     exposure = np.percentile(truth[..., 1], 98)
+    if not exposure > 0:
+        raise MeasureError("the reference picture is black in more than 98 % of its pixels, or not a picture")
     white = np.asarray(white, dtype=np.float64) / white[1]
     return (method or delta_E_2000)(truth / exposure, xyz / exposure, white)
 
@@ -93,6 +103,6 @@ def statistics(values):
     """Median, 90th, 98th and 99th percentile and maximum of an array -> dict of float."""
     values = np.asarray(values, dtype=np.float64).ravel()
     if values.size == 0:
-        raise ValueError("no values to take statistics of")
+        raise MeasureError("no values to take statistics of")
     median, p90, p98, p99 = np.percentile(values, [50, 90, 98, 99])
     return {"median": median, "p90": p90, "p98": p98, "p99": p99, "max": values.max()}

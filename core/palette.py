@@ -6,7 +6,7 @@
 import numpy as np
 
 from . import library, relight
-from .spectrum import WAVELENGTHS, Spectrum
+from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["metamer", "metameric_black", "metamers"]
 
@@ -27,16 +27,20 @@ def metamer(reflectance, direction, illuminants, amount=1.0):
     """A reflectance that matches `reflectance` under all `illuminants` -> Spectrum.
 
     direction: Spectrum whose metameric black is added, as much of it as keeps the result in 0..1, times `amount`.
-    Raises ValueError where nothing of it can be added.
+    Raises SpectrumError where nothing of it can be added.
     """
     base = reflectance.sampled()
     black = metameric_black(direction.sampled(), illuminants)
     if np.abs(black).max() < 1e-9:
-        raise ValueError(f"{direction.name or 'the direction'} has no part that is invisible under these illuminants")
+        raise SpectrumError(
+            f"{direction.name or 'the direction'} has no part that is invisible under these illuminants"
+        )
     with np.errstate(divide="ignore"):
         room = np.where(black > 0, (1 - base) / black, np.where(black < 0, -base / black, np.inf)).min()
     if room <= 0:
-        raise ValueError(f"{reflectance.name or 'the reflectance'} already reaches 0 or 1: nothing can be added to it")
+        raise SpectrumError(
+            f"{reflectance.name or 'the reflectance'} already reaches 0 or 1: nothing can be added to it"
+        )
     return Spectrum(WAVELENGTHS, base + amount * room * black, f"metamer of {reflectance.name}")
 
 

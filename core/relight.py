@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from .measure import hue_weight, lab, rotation
+from .spectrum import SpectrumError
 
 __all__ = [
     "emitter",
@@ -31,16 +32,17 @@ SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # where entry (a, b) st
 def power_weights(illuminant, cmfs):
     """Illuminant (n,) times matching functions (n, 3), scaled so that a perfect white has Y = 1 -> (n, 3).
 
-    Raises ValueError for an illuminant with no visible power.
+    Raises SpectrumError for an illuminant with no visible power.
     """
     illuminant = np.asarray(illuminant, dtype=np.float64)
     peak = np.abs(illuminant).max(initial=0)
     if not peak > 0:
-        raise ValueError("the illuminant has no power between 380 and 780 nm")
+        raise SpectrumError("the illuminant has no power between 380 and 780 nm")
     weights = (illuminant / peak)[:, None] * cmfs
     luminance = weights[:, 1].sum()
-    if not luminance > 0:
-        raise ValueError("the illuminant has no visible power between 380 and 780 nm")
+    # Light that is negative in parts may be invisible but for rounding, as a metameric black is.
+    if not luminance > 1e-9 * np.abs(weights).sum():
+        raise SpectrumError("the illuminant has no visible power between 380 and 780 nm")
     return weights / luminance
 
 

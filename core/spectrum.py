@@ -65,13 +65,18 @@ class Spectrum:
     def sampled(self, wavelengths=WAVELENGTHS):
         """Values on `wavelengths` (m,) nm -> (m,), linear between samples.
 
-        Reflectances and indices keep their end values outside the measured range; illuminants and sensitivities are
-        zero there. An illuminant measured more finely than `wavelengths` is averaged with triangular weights instead,
-        so that no line falls between two samples; its power and centroid are kept. An illuminant of one sample is a
-        line.
+        Reflectances and indices keep their end values outside the measured range, which must not lie wholly outside
+        380 to 780 nm; illuminants and sensitivities are zero there. An illuminant measured more finely than
+        `wavelengths` is averaged with triangular weights instead, so that no line falls between two samples; its power
+        and centroid are kept. An illuminant of one sample is a line. Raises SpectrumError.
         """
         wavelengths = np.asarray(wavelengths, dtype=np.float64)
         if self.kind not in _ZERO_OUTSIDE:
+            first, last = self.wavelengths[0], self.wavelengths[-1]
+            if last < WAVELENGTHS[0] or first > WAVELENGTHS[-1]:
+                raise SpectrumError(
+                    f"spectrum {self.name!r}: covers {first:g} to {last:g} nm, nothing of the visible 380 to 780 nm"
+                )
             return np.interp(wavelengths, self.wavelengths, self.values)
         if self.kind == "illuminant" and wavelengths.size > 1:
             if self.wavelengths.size == 1:
