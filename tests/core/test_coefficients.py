@@ -1,0 +1,62 @@
+"""Coefficient images on disk: what comes back, what half floats cost, what is refused."""
+
+import json
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+
+from relume.core import bases, coefficients, library
+
+
+@pytest.fixture
+def image():
+    model = bases.fitted(6)
+    patches = model.coefficients(library.reflectances("colorchecker")).reshape(4, 6, 6).astype(np.float32)
+    return coefficients.CoefficientImage(
+        model=model,
+        groups={"Key": patches, "Fill": 0.3 * patches[::-1]},
+        illuminants={"Key": library.illuminant("A"), "Fill": library.illuminant("FL11")},
+        alpha=np.ones((4, 6), dtype=np.float32),
+    )
+
+
+def as_half(path):
+    """Write an EXR again in half precision."""
+    pixels = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT)
+    spec = oiio.ImageInput.open(str(path)).spec()
+    spec.set_format(oiio.HALF)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec) and output.write_image(pixels) and output.close()
+
+
+def picture(image):
+    return coefficients.recombine(
+        list(image.groups.values()), [image.model.relight(light) for light in image.illuminants.values()]
+    )
+
+
+def test_comes_back_bit_for_bit(image, tmp_path):
+    coefficients.write(tmp_path / "a.exr", image, picture(image))
+    again = coefficients.read(tmp_path / "a.exr")
+    for name, values in image.groups.items():
+        np.testing.assert_array_equal(again.groups[name], values)
+    assert json.dumps(again.model.to_dict()) == json.dumps(image.model.to_dict())
+
+
+def test_half_floats_keep_eleven_bits(image, tmp_path):
+    coefficients.write(tmp_path / "a.exr", image, picture(image))
+    as_half(tmp_path / "a.exr")
+    again = coefficients.read(tmp_path / "a.exr")
+    np.testing.assert_allclose(again.groups["Key"], image.groups["Key"], rtol=2.0**-11)
+    # Rounding is independent in each channel; a relight matrix has entries of either sign.
+    np.testing.assert_allclose(picture(again), picture(image), atol=2e-3)
+
+
+@pytest.mark.parametrize("bad", [1e6, np.nan, -np.inf])
+def test_what_is_not_finite_is_refused_by_name(image, tmp_path, bad):
+    image.groups["Fill"][2, 3, 4] = bad
+    coefficients.write(tmp_path / "a.exr", image, np.zeros((4, 6, 3), dtype=np.float32))
+    as_half(tmp_path / "a.exr")
+    with pytest.raises(coefficients.CoefficientImageError, match=r"a.exr: channel .*Fill.* has 1 pixels .* half"):
+        coefficients.read(tmp_path / "a.exr")
