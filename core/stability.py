@@ -1,0 +1,238 @@
+"""What every model does with difficult input: `relume stability`.
+
+Each section tells what happens, its bound, and where the limit is physical. Nothing may come back as NaN, nothing is
+clamped unsaid, and what cannot be done is refused by a named error.
+"""
+
+import argparse
+import sys
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+from . import bases, experiments, files, hazards, library, measure, reports
+from .hazards import outcome, told
+from .relight import power_weights
+
+__all__ = ["main"]
+
+
+CHANNELS = (3, 6, 9, 12, 15, 18, 21)
+
+
+def models(channels):
+    """{name: FactorModel, or the words with which it is refused}, for every family of models that takes a number p."""
+    makers = {
+        "fitted": lambda: bases.fitted(channels),
+        "eq. 11": lambda: bases.sharpened(channels, "lagrange"),
+        "eq. 12": lambda: bases.sharpened(channels, "nonnegative"),
+        "block": lambda: bases.block(channels),
+    }
+    return {name: outcome(make) for name, make in makers.items()}
+
+
+def stretched(reflectances, albedo=0.99):
+    """Reflectances (m, 81) scaled so that each reaches `albedo`."""
+    return reflectances * (albedo / reflectances.max(axis=1, keepdims=True))
+
+
+def exposed_difference(xyz, truth, white):
+    """CIEDE2000 with both exposed so that the truth has half the luminance of white."""
+    exposure = 0.5 * white[1] / truth[..., 1:2]
+    return measure.delta_E_2000(truth * exposure, xyz * exposure, white)
+
+
+def conditioning():
+    """Condition numbers, and how much a matrix amplifies errors of coefficients."""
+    lights = [library.illuminant(name) for family in library.cie_illuminants().values() for name in family]
+    rows, gains = [], defaultdict(list)
+    everything = [(p, name, model) for p in CHANNELS for name, model in models(p).items()]
+    everything += [(3, "rgb", bases.rgb()), (3, "prefiltered", bases.prefiltered(library.illuminant("D65")))]
+    everything += [(p, "bands", bases.bands(p)) for p in (36, 81)]
+    for p, name, model in everything:
+        if isinstance(model, str):
+            rows.append([p, name, model, "", "", ""])
+            continue
+        matrices = np.stack([model.relight(light) for light in lights])
+        whites = np.maximum(matrices.sum(axis=2), 1e-6)
+        gain = np.linalg.norm(matrices, axis=2) / whites
+        gains[name].append(gain[:, 1].max())
+        rows.append(
+            [
+                p,
+                name,
+                f"{np.linalg.cond(model.filters) ** 2:.3g}",
+                f"{model.filters.min() / model.filters.max():.3f}",
+                f"{np.median(gain[:, 1]):.2f}",
+                f"{gain[:, 1].max():.2f}",
+            ]
+        )
+    return reports.Section(
+        "Conditioning",
+        told(
+            "Relight matrices of `fitted` are fitted, so the condition of F^T F does not enter them; those of the "
+            "published models pass through a pseudo-inverse, where it does. The gain is the length of the matrix's Y "
+            "row: what 1 % of independent noise in every coefficient of a white becomes, in percent of Y, median and "
+            "largest of the 52 CIE illuminants. The fourth column is the most negative value of the filters as a part "
+            "of the largest.",
+            f"No fitted model turns 1 % of noise into more than {max(gains['fitted']):.2f} % of Y; eq. 12 reaches "
+            f"{max(gains['eq. 12']):.2f} %.",
+            "None: noise of p channels that all carry luminance averages out as 1 / sqrt(p) at best.",
+        ),
+        ("p", "model", "cond(F^T F)", "lowest / highest", "gain, median", "gain, largest"),
+        rows,
+    )
+
+
+def high_albedo(reflectances):
+    """Albedo 0.99 over many bounces."""
+    light = library.illuminant("D65")
+    weights = power_weights(light.sampled(), library.observer())
+    white, values = weights.sum(axis=0), stretched(reflectances)
+    sums = {
+        "50 bounces": lambda s: (1 - s**50) / (1 - s) * s,
+        "infinitely many": lambda s: s / (1 - s),
+    }
+    rows, highest = [], 0.0
+    everything = [(p, name, model) for p in CHANNELS for name, model in models(p).items()]
+    for p, name, model in [*everything, (36, "bands", bases.bands(36)), (81, "bands", bases.bands(81))]:
+        if isinstance(model, str):
+            continue
+        coefficients, matrix = model.coefficients(values), model.relight(light)
+        flat = model.coefficients(np.full(81, 0.99))
+        row = [p, name, f"{np.abs(sums['infinitely many'](flat) / 99 - 1).max():.0e}", f"{coefficients.max():.4f}"]
+        highest = max(highest, coefficients.max() if name == "fitted" else 0)
+        for words, total in sums.items():
+            if words == "infinitely many" and coefficients.max() >= 1:
+                row.append("diverges")
+                continue
+            difference = exposed_difference(total(coefficients) @ matrix.T, total(values) @ weights, white)
+            row.append(f"{np.median(difference):.2f} / {np.percentile(difference, 90):.2f}")
+        rows.append(row)
+    return reports.Section(
+        "Albedo 0.99",
+        told(
+            "Reflectances stretched to a peak of 0.99: the sum of 50 bounces and of infinitely many, D65, exposed to "
+            "half of white; CIEDE2000, median / 90th percentile. A flat 0.99 is exact (relative error).",
+            f"Filters that are nowhere negative keep coefficients at or below 0.99 ({highest:.4f} is the highest of "
+            "`fitted`), so series converge for any p. Above 1, as eq. 11 allows, a series diverges in a renderer.",
+            "The width of a channel: with every bounce the peak within it decides more, and only more channels help.",
+        ),
+        ("p", "model", "flat 0.99", "highest coefficient", *sums),
+        rows,
+    )
+
+
+def half_floats(reflectances):
+    """Coefficients kept in half precision, as an EXR may."""
+    rows, worst_at = [], defaultdict(float)
+    lights = [library.illuminant(name) for name in ("A", "D65", "FL11", "LED-B3")]
+    for p in hazards.CHANNELS:
+        model = bases.fitted(p)
+        coefficients = model.coefficients(reflectances)
+        row = [p]
+        for exposure in (1.0, 1e-2, 1e-4, 1e-6):
+            stored = (coefficients * exposure).astype(np.float16).astype(np.float64) / exposure
+            worst = 0.0
+            for light in lights:
+                matrix = model.relight(light)
+                pair = (c @ matrix.T for c in (coefficients, stored))
+                worst = max(worst, float(measure.delta_E_2000(*pair, matrix.sum(axis=1)).max()))
+            worst_at[exposure] = max(worst_at[exposure], worst)
+            row.append(f"{worst:.3f}")
+        rows.append(row)
+    return reports.Section(
+        "Half-precision coefficients",
+        told(
+            "Largest CIEDE2000 under A, D65, FL11 and LED-B3 when the coefficients of the reflectances were rounded to "
+            "half floats, with white at 1, 0.01, 0.0001 and 0.000001 of the file's unit and the picture exposed back. "
+            "Above 65504 a half is infinite, and such a file is refused by name (`core.coefficients`).",
+            f"{worst_at[1.0]:.3f} with white at 1, {worst_at[1e-4]:.2f} at 0.0001.",
+            "A half keeps 11 bits down to 0.00006 and steps of 0.00000006 below. Relume itself writes 32-bit floats.",
+        ),
+        ("p", "white 1", "white 0.01", "white 0.0001", "white 0.000001"),
+        rows,
+    )
+
+
+def clamps():
+    """What is clamped, where, and why."""
+    return reports.Section(
+        "What is clamped",
+        "Coefficients, relight matrices and recombined pictures never are. These are, and their documentation says so: "
+        "pictures for the display (0..1) and the plain RGB colour that a material shows without Relume (`core.view`); "
+        "lamps of the preview, whose colour may lie outside the display's primaries (at 0); n and k of a conductor per "
+        "channel, fitted to reflectances within 0..1 (`core.fresnel`); the coefficients of a lamp in another's light "
+        "group, fitted as non-negative numbers (`FactorModel.emission`).",
+    )
+
+
+def sections(reflectances):
+    """Every hazard, for reflectances (m, 81) where it looks at surfaces."""
+    yield conditioning()
+    yield hazards.low_rank()
+    yield hazards.single_lines(reflectances)
+    yield hazards.extreme_values()
+    yield hazards.metameric_blacks(reflectances)
+    yield high_albedo(reflectances)
+    yield hazards.wavelengths()
+    yield half_floats(reflectances)
+    yield clamps()
+
+
+def draw(done, reflectances, out):
+    """Three panels: conditioning, lines over wavelength, albedo. Raises ImportError."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(15, 4.4), layout="constrained")
+    condition, line, albedo = figure.subplots(1, 3)
+    colours = {"fitted": "C0", "eq. 11": "C1", "eq. 12": "C2", "block": "C3"}
+    for axes, name, column in ((condition, "Conditioning", 2), (albedo, "Albedo 0.99", 5)):
+        curves = {}
+        for row in next(section for section in done if section.name == name).rows:
+            if row[1] in colours and row[column][0].isdigit():
+                curves.setdefault(row[1], []).append((row[0], float(row[column].split(" / ")[0])))
+        for label, points in curves.items():
+            axes.semilogy(*zip(*points, strict=True), "o-", label=label, color=colours[label])
+        axes.set(xlabel="p", xticks=CHANNELS)
+        axes.legend()
+    condition.set(title="conditioning", ylabel="cond(F^T F)")
+    albedo.set(title="albedo 0.99, infinitely many bounces", ylabel="median CIEDE2000")
+    nm = np.arange(400, 701, 5)
+    for p in hazards.CHANNELS:
+        lights = [library.line(float(one)) for one in nm]
+        errors = experiments.product_errors(bases.fitted(p), reflectances, lights)
+        line.plot(nm, np.percentile(errors, 99, axis=1), label=f"p = {p}")
+    line.set(title="surfaces under one line", xlabel="nm", ylabel="99th percentile of CIEDE2000")
+    line.legend()
+    figure.savefig(out / "stability.png", dpi=110)
+
+
+@reports.survive_closed_output
+def main(argv=None):
+    """The command `relume stability` -> exit status."""
+    parser = argparse.ArgumentParser(prog="relume stability", description="What every model does with difficult input.")
+    parser.add_argument("--reflectances", type=Path, metavar="CSV", help="surfaces to look at; default: the CES")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="write Markdown, CSV and a PNG file there too")
+    options = parser.parse_args(argv)
+    try:
+        spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
+        values = np.stack([spectrum.sampled() for spectrum in spectra])
+        done = reports.publish("stability", sections(values), options.out)
+        if options.out:
+            draw(done, values, options.out)
+            print(f"written to {options.out}")
+    except ImportError as error:
+        print(f"relume stability: no pictures without {error.name}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:
+        raise
+    except (OSError, *hazards.REFUSALS) as error:
+        print(f"relume stability: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
