@@ -2,13 +2,16 @@
 
     python -m relume.core.optimise [--channels P ...] [--out FILE]
 
-writes the filters that ship, the same bits each time on the same machine and libraries. The error that is minimised
-is that of the best relight matrices for the filters (variable projection): at those matrices its derivative with
+writes the filters that ship, the same bits each time on the same machine and libraries, on any number of cores. The
+error that is minimised is that of the best relight matrices for the filters (variable projection): at those matrices its derivative with
 respect to them is zero, so the gradient needs the filters' part only.
 """
 
 import argparse
+import os
+import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +26,8 @@ __all__ = ["Task", "main", "optimised", "scene_filters"]
 CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
-STARTS = 48
+STARTS = 24
+THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,15 +131,23 @@ def scene_filters(start, own, illuminants):
 
 def main(argv=None):
     """The command: make the shipped filters again."""
+    if any(os.environ.get(name) != "1" for name in THREADS):
+        # The last bits of a matrix product depend on the number of threads, which is fixed once numpy is loaded.
+        command = [sys.executable, "-m", "relume.core.optimise", *(sys.argv[1:] if argv is None else argv)]
+        return subprocess.run(command, env=os.environ | dict.fromkeys(THREADS, "1")).returncode
     parser = argparse.ArgumentParser(prog="python -m relume.core.optimise", description="Make the filters that ship.")
     parser.add_argument("--channels", type=int, nargs="+", default=CHANNELS, metavar="P")
     parser.add_argument("--out", type=Path, default=filter_files.SHIPPED)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes at a time")
     options = parser.parse_args(argv)
-    filters = {}
-    for channels in options.channels:
-        filters[channels] = make_filters(channels, general_task(channels), tell=lambda line: print(line, flush=True))
-        filter_files.write_filters(options.out, filters)
+    with ProcessPoolExecutor(options.jobs) as pool:
+        filters = dict(zip(options.channels, pool.map(_made, options.channels), strict=True))
+    filter_files.write_filters(options.out, filters)
     return 0
+
+
+def _made(channels):
+    return make_filters(channels, general_task(channels), tell=lambda line: print(line, flush=True))
 
 
 if __name__ == "__main__":
