@@ -3,7 +3,7 @@
 `python -m relume.benchmarks.core_cost`
 
 Times are the best of several runs. numpy's BLAS waits for its threads: on a machine that is busy with something else,
-set OPENBLAS_NUM_THREADS=1 first.
+set OPENBLAS_NUM_THREADS=1 first, above all for scene models.
 """
 
 import os
@@ -39,9 +39,9 @@ def best(function, runs=5):
 def fresh_import(module):
     """Seconds that a new Python needs to import it, least of several, and which heavy libraries came along."""
     code = (
-        "import sys, time; start = time.perf_counter(); import {0}; print(time.perf_counter() - start); "
-        "print(' '.join(name for name in {1!r} if name in sys.modules))"
-    ).format(module, FORBIDDEN)
+        f"import sys, time; start = time.perf_counter(); import {module}; print(time.perf_counter() - start); "
+        f"print(' '.join(name for name in {FORBIDDEN!r} if name in sys.modules))"
+    )
     runs = [
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         for _ in range(5)
@@ -107,7 +107,7 @@ def _extra_memory(groups, matrices):
 def main():
     """Print the table; the exit status tells whether every limit holds."""
     rows = [*import_rows(), *relight_rows(), *scene_rows(), *recombination_rows()]
-    words = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}. A ratio below 1 keeps the limit."
+    words = f"{os.cpu_count()} cores. A ratio below 1 keeps the limit."
     head = ("what", "measured", "limit", "ratio")
     print(Section("Cost of the core", words, head, rows).markdown())
     return int(any(float(row[3] or 0) > 1.01 for row in rows))

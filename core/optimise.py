@@ -3,8 +3,8 @@
     python -m relume.core.optimise [--channels P ...] [--out FILE]
 
 writes the filters that ship, the same bits each time on the same machine and libraries, on any number of cores. The
-error that is minimised is that of the best relight matrices for the filters (variable projection): at those matrices its derivative with
-respect to them is zero, so the gradient needs the filters' part only.
+error that is minimised is that of the best relight matrices for the filters (variable projection): at those matrices
+its derivative with respect to them is zero, so the gradient needs the filters' part only.
 """
 
 import argparse
