@@ -22,7 +22,7 @@ _REPORTS = {
     "stability": "what every model does with difficult input",
 }
 
-_CHANNELS = ["auto", *(name for name, _, _ in properties.CHANNELS)]
+_CHANNELS = [name for name, _, _ in properties.CHANNELS]
 
 
 def _arguments(in_blender: bool) -> argparse.ArgumentParser:
@@ -35,7 +35,7 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
         render.set_defaults(scene=None)
     else:
         render.add_argument("scene", metavar="SCENE.blend", type=Path)
-    render.add_argument("--channels", choices=_CHANNELS, default="auto", help="auto: what the scene says, else 9")
+    render.add_argument("--channels", choices=_CHANNELS, help="auto: as few as needed; default: what the scene says")
     render.add_argument(
         "--illuminant",
         metavar="[GROUP=]NAME",

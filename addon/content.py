@@ -8,18 +8,13 @@ from ..core import fresnel, library, plan
 from ..core.spectrum import SpectrumError
 from . import lights, nodes, sockets, spectra
 
-__all__ = ["SWITCHING", "content_of"]
+__all__ = ["content_of"]
 
-SWITCHING = [
-    ("LIT", "As It Is Lit", "The illuminants that are chosen now, in any mixture"),
-    ("COMMON", "To Common Lamps", "Daylight, tungsten, fluorescent, LED and street lamps"),
-    ("ANY", "To Any Lamp", "Every CIE illuminant"),
-]
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
 
 
-def content_of(scene, switching: str) -> plan.Content:
+def content_of(scene) -> plan.Content:
     """The surfaces of a scene, each with its part of the picture, its lights, and what they may be switched to."""
     measured, colors, textures = {}, Counter(), 0.0
     for material, seen in _shares(scene).items():
@@ -38,7 +33,7 @@ def content_of(scene, switching: str) -> plan.Content:
         shares=[*(share for _, share in measured.values()), *colors.values()],
         textures=textures,
         lights=_illuminants(scene),
-        choices=_choices(switching),
+        choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
         space=bpy.data.colorspace.working_space,
     )

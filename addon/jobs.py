@@ -48,14 +48,13 @@ def writable(folder: Path) -> Path:
     return folder
 
 
-def _prepare(scene, channels: str, samples: int | None):
+def _prepare(scene, channels: str | None, samples: int | None):
     if samples is not None:
         scene.cycles.samples = samples
     settings = scene.relume
-    chosen = settings.channels if channels == "auto" else channels
-    if settings.is_set_up and samples is None and chosen == settings.channels:
+    settings.channels = channels or settings.channels
+    if samples is None and settings.is_set_up and settings.request == settings.plan.get("request"):
         return
-    settings.channels = chosen
     setup.set_up(scene)
 
 
@@ -88,8 +87,10 @@ def render_scene(scene, arguments):
     folder = writable(arguments.out)
     stem = Path(bpy.data.filepath).stem or "untitled"
     frames = arguments.frame or [scene.frame_current]
+    if settings.plan.get("reason"):
+        print(settings.plan["reason"], file=sys.stderr)
     summary = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
-    summary |= {"model": settings.model().name, "frames": []}
+    summary |= {"model": settings.model().name, "reason": settings.plan.get("reason", ""), "frames": []}
     for frame in frames:
         scene.frame_set(frame)
         name = stem if arguments.frame is None else f"{stem}_{frame:04d}"

@@ -4,6 +4,7 @@ import bpy
 from bpy.types import Panel
 
 from ..core.coefficients import EVERYTHING_ELSE
+from .properties import AUTO
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -26,35 +27,34 @@ def _draw_introduction(layout, settings):
     column = layout.column(align=True)
     column.label(text="Render the whole spectrum,")
     column.label(text="choose the light afterwards.")
-    layout.prop(settings, "channels")
-    layout.prop(settings, "split_samples")
+    _draw_choice(layout, settings)
     row = layout.row()
     row.scale_y = 1.6
     row.operator("relume.set_up", icon="LIGHT_AREA")
 
 
 def _draw_mixer(layout, settings):
-    model = settings.model()
-    reference = settings.channels == "reference"
-    words = f"Reference, {model.channels} bands" if reference else f"{model.channels} channels"
+    model, plan = settings.model(), settings.plan
+    words = f"Reference, {model.channels} bands" if model.name == "bands" else f"{model.channels} channels"
     layout.label(
         text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({words})", icon="RENDER_STILL"
     )
-    if not reference and settings.channels != str(model.channels):
+    if plan.get("reason"):
+        _draw_words(layout, plan["reason"])
+    if plan.get("request") != settings.request:
         row = layout.row()
         row.scale_y = 1.4
         row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
     for index, group in enumerate(settings.light_groups):
         _draw_light_group(layout, group, index)
     if settings.problem:
-        _draw_problem(layout, settings.problem)
+        _draw_words(layout, settings.problem, alert=True)
     layout.prop(settings, "white_balance")
     row = layout.row()
     row.active = settings.white_balance > 0.0
     row.prop(settings, "white_balance_method")
     layout.separator()
-    layout.prop(settings, "channels")
-    layout.prop(settings, "split_samples")
+    _draw_choice(layout, settings)
     layout.operator("relume.remove", icon="TRASH")
 
 
@@ -68,12 +68,20 @@ def _draw_light_group(layout, group, index):
     box.operator("relume.choose_illuminant", text=group.illuminant, icon="DOWNARROW_HLT").group = index
 
 
-def _draw_problem(layout, problem: str, width: int = 38):
-    """The problem in words, wrapped so that a narrow sidebar does not cut it."""
+def _draw_choice(layout, settings):
+    layout.prop(settings, "channels")
+    if settings.channels == AUTO:
+        layout.prop(settings, "tolerance")
+        layout.prop(settings, "switching")
+    layout.prop(settings, "split_samples")
+
+
+def _draw_words(layout, words: str, alert: bool = False, width: int = 38):
+    """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
-    column.alert = True
+    column.alert = alert
     line = ""
-    for word in problem.split():
+    for word in words.split():
         if len(line) + len(word) >= width:
             column.label(text=line)
             line = ""

@@ -7,18 +7,39 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
-__all__ = ["CHANNELS", "CLASSES", "LightGroup", "SceneSettings", "model_for", "register", "unregister"]
+__all__ = [
+    "AUTO",
+    "CHANNELS",
+    "CLASSES",
+    "SWITCHING",
+    "LightGroup",
+    "SceneSettings",
+    "model_for",
+    "register",
+    "unregister",
+]
 
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
+PLAN = "relume_plan"  # what was asked for, and why this model was chosen
 REFERENCE_BANDS = 36
 
+AUTO = "auto"
+
 CHANNELS = [
+    (AUTO, "Automatic", "As few passes as this scene needs to stay within the tolerance"),
     ("3", "3 channels, 1 pass", "As fast as an RGB render; exact enough for one light that stays"),
     ("6", "6 channels, 2 passes", "Differences seen side by side"),
     ("9", "9 channels, 3 passes", "Nobody can see the difference to the full spectrum"),
     ("12", "12 channels, 4 passes", "For lamps with strong lines"),
     ("15", "15 channels, 5 passes", "For measurements"),
     ("reference", "Reference, 12 passes", "Every band of 11 nm on its own: slow, to compare with"),
+]
+
+
+SWITCHING = [
+    ("LIT", "Not at All", "The illuminants that are chosen now, in any mixture"),
+    ("COMMON", "To Common Lamps", "Daylight, tungsten, fluorescent, LED and street lamps"),
+    ("ANY", "To Any Lamp", "Every CIE illuminant"),
 ]
 
 
@@ -73,7 +94,21 @@ class SceneSettings(PropertyGroup):
         name="Channels",
         description="How finely the spectrum is split. Three channels are one render pass",
         items=CHANNELS,
-        default="9",
+        default=AUTO,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Colour difference (CIEDE2000) to the full spectrum that 98 % of the picture keeps to. 1 is just "
+        "noticeable",
+        default=1.0,
+        min=0.02,
+        soft_max=5.0,
+    )
+    switching: EnumProperty(
+        name="Light May Change",
+        description="Which illuminants the picture has to be exact for",
+        items=SWITCHING,
+        default="COMMON",
     )
     split_samples: BoolProperty(
         name="Share Samples",
@@ -110,6 +145,17 @@ class SceneSettings(PropertyGroup):
     def is_set_up(self) -> bool:
         """Whether the scene carries the spectral set-up."""
         return MODEL in self.id_data
+
+    @property
+    def request(self) -> str:
+        """What is asked for now: the choices that decide the model."""
+        chosen = (self.channels, f"{self.tolerance:g}", self.switching) if self.channels == AUTO else (self.channels,)
+        return " ".join(chosen)
+
+    @property
+    def plan(self) -> dict:
+        """For a scene that is set up: the `request` that it answers and, if Relume chose, the `reason`."""
+        return dict(self.id_data.get(PLAN, {}))
 
     def model(self):
         """The factor model that this scene was set up with."""

@@ -4,10 +4,10 @@ import json
 
 import bpy
 
-from ..core import grouping, view
+from ..core import grouping, plan, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
-from . import compositing, lights, nodes, passes, properties, sockets, spectra
+from . import compositing, content, lights, nodes, passes, properties, sockets, spectra
 
 __all__ = ["SetupError", "lighting", "relight", "remove", "set_up"]
 
@@ -31,6 +31,10 @@ def set_up(scene, model: FactorModel | None = None):
         raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
     if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
+    chosen = {"request": "" if model else scene.relume.request}
+    if model is None and scene.relume.channels == properties.AUTO:
+        found = plan.choose(content.content_of(scene), scene.relume.tolerance)
+        model, chosen["reason"] = found.model, found.reason
     model = grouping.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
@@ -40,6 +44,7 @@ def set_up(scene, model: FactorModel | None = None):
     for each in [scene, *others]:
         try:
             _set_up(each, model)
+            each[properties.PLAN] = chosen
         except Exception:
             remove(each)
             raise
@@ -182,8 +187,9 @@ def remove(scene):
     passes.remove(scene)
     _give_settings_back(scene)
     _forget_untouched_rows(scene.relume)
-    if properties.MODEL in scene:
-        del scene[properties.MODEL]
+    for key in (properties.MODEL, properties.PLAN):
+        if key in scene:
+            del scene[key]
     others = [other for other in bpy.data.scenes if other.relume.is_set_up]
     kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
     kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
