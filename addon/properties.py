@@ -105,7 +105,7 @@ class SceneSettings(PropertyGroup):
         soft_max=5.0,
     )
     switching: EnumProperty(
-        name="Light May Change",
+        name="Switch Light",
         description="Which illuminants the picture has to be exact for",
         items=SWITCHING,
         default="COMMON",
