@@ -8,9 +8,9 @@ __all__ = ["register", "unregister"]
 
 
 def _modules():
-    from . import commands, operators, panels, properties
+    from . import commands, operators, panels, properties, remarks
 
-    return properties, operators, panels, commands
+    return properties, operators, panels, remarks, commands
 
 
 def register():

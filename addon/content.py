@@ -63,7 +63,7 @@ def _sources(material) -> list:
         for node in tree.nodes:
             if node.type == "GROUP":
                 visit(node.node_tree)
-            for socket in sockets._spectral_sockets(node):
+            for socket in sockets.spectral_sockets(node):
                 found.extend(_source(socket))
 
     visit(material.node_tree)

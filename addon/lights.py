@@ -1,13 +1,26 @@
-"""Lamps and light groups: which groups a scene has; the colour of a lamp as a gel in front of the illuminant."""
+"""What shines: light groups, the spectrum of each, and the colour of a lamp as a gel in front of it.
+
+A black body, as the temperature of a lamp or in its nodes, is a Planckian illuminant. Where all that shines in a light
+group is of one temperature, the group starts with that illuminant; otherwise each black body has its own spectrum,
+relative to the D65 of its group.
+"""
+
+from dataclasses import dataclass
 
 import bpy
 
+from ..core import library
 from ..core.coefficients import EVERYTHING_ELSE
-from . import sockets
+from ..core.factor_model import FactorModel
+from . import animation, inventory, nodes, sockets
+from .closures import Kind, in_use, kind_of, spectral_sockets
+from .remarks import Remark
 
-__all__ = ["convert", "has_emitters", "light_groups_of", "restore"]
+__all__ = ["Lamp", "Lighting", "has_emitters", "is_too_long", "light_groups_of", "restore", "take_colors"]
 
-_COLOR = "relume_color"  # the colour, temperature switch and node switch that the lamp had
+_BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
+_REDIRECTED = "relume_redirected"  # on a light: the path that the animation of its colour now acts on
+_DAYLIGHT = "D65"
 
 
 def light_groups_of(scene) -> list[str]:
@@ -15,65 +28,196 @@ def light_groups_of(scene) -> list[str]:
 
     `EVERYTHING_ELSE` comes last if anything that shines belongs to none.
     """
-    names, outside = [], False
-    shining = [(thing.lightgroup, thing) for thing in scene.objects if _shines(thing)]
-    if scene.world and scene.world.node_tree and sockets.emits(scene.world.node_tree):
-        shining.append((scene.world.lightgroup, scene.world))
-    for name, _ in shining:
-        if not name:
-            outside = True
-        elif name not in names:
-            names.append(name)
-    return [*names, EVERYTHING_ELSE] if outside else names
+    found = inventory.take(scene)
+    shines = {}
+    names = [thing.lightgroup for thing in found.objects if _shines(thing, found, shines)]
+    if scene.world and _tree_shines(scene.world.node_tree, shines):
+        names.append(scene.world.lightgroup)
+    names = list(dict.fromkeys(names))
+    kept = [name for name in names if name and not is_too_long(name)]
+    return [*kept, EVERYTHING_ELSE] if len(kept) < len(names) else kept
+
+
+def is_too_long(group: str) -> bool:
+    """Whether the name of a light group does not fit that of its render pass: Blender then renders nothing into it."""
+    return len(f"Combined_{group}".encode()) > 63
 
 
 def has_emitters(scene) -> bool:
     return bool(light_groups_of(scene))
 
 
-def _shines(thing) -> bool:
+def _shines(thing, found, shines: dict) -> bool:
     if thing.type == "LIGHT":
         return True
-    materials = {slot.material for slot in thing.material_slots if slot.material and slot.material.node_tree}
-    return any(_tree_shines(material.node_tree) for material in materials)
+    return any(_tree_shines(material.node_tree, shines) for material in found.materials_of(thing))
 
 
-def _tree_shines(tree) -> bool:
-    if sockets.emits(tree):
-        return True
-    return any(node.type == "GROUP" and node.node_tree and _tree_shines(node.node_tree) for node in tree.nodes)
+def _tree_shines(tree, shines: dict) -> bool:
+    """shines: what is known already; a tree that is being looked at counts as dark, so that no circle goes on."""
+    if tree is None:
+        return False
+    if tree not in shines:
+        shines[tree] = False
+        inner = (node.node_tree for node in tree.nodes if node.type == "GROUP")
+        shines[tree] = sockets.emits(tree) or any(_tree_shines(each, shines) for each in inner)
+    return shines[tree]
 
 
-def convert(light) -> tuple[float, float, float]:
-    """Take the colour out of a lamp, so that it can stand in its nodes; returns that colour."""
-    if _COLOR not in light:
-        tint = list(light.color)
-        if light.use_temperature:
-            tint = [a * b for a, b in zip(tint, light.temperature_color, strict=True)]
-        light[_COLOR] = {
+@dataclass(frozen=True)
+class Lamp:
+    """The colour (RGB) that was taken out of a lamp, and its temperature: kelvin and the RGB colour of it, or None."""
+
+    tint: tuple[float, float, float]
+    temperature: float | None = None
+    glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+def take_colors(lights) -> tuple[dict, list[Remark]]:
+    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
+    lamps, remarks = {}, []
+    for light in lights:
+        if light.library is not None or light.override_library is not None:
+            continue
+        why = _obstacle(light)
+        if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
+            remarks.append(Remark(light.name, "", why))
+        if not why:
+            lamps[light] = _take_color(light)
+    return lamps, remarks
+
+
+def _obstacle(light) -> str:
+    """Why the colour of a lamp has to stay where it is, "" if it can be moved."""
+    moving = animation.paths(light, light)
+    if moving & {"temperature", "use_temperature"}:
+        return "its temperature is animated: its colour stays RGB"
+    if "color" in moving and not animation.can_redirect(light, "color"):
+        return "its colour is animated by an action that others use too: it stays RGB"
+    if light.use_nodes and not sockets.emits(light.node_tree):
+        return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"
+    return ""
+
+
+def _take_color(light) -> Lamp:
+    if _BEFORE not in light:
+        light[_BEFORE] = {
             "color": list(light.color),
-            "tint": tint,
-            "use_temperature": light.use_temperature,
+            "temperature": light.temperature if light.use_temperature else 0.0,
+            "glow": list(light.temperature_color) if light.use_temperature else [1.0, 1.0, 1.0],
             "use_nodes": light.use_nodes,
         }
     if not light.use_nodes:
         light.use_nodes = True
     light.use_temperature = False
     light.color = (1.0, 1.0, 1.0)
-    return tuple(light[_COLOR]["tint"])
+    before = light[_BEFORE].to_dict()
+    return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
 
 
 def restore(light):
-    """Give a lamp back the colour that `convert` took."""
-    if _COLOR not in light:
+    """Give a lamp back the colour that `take_colors` took."""
+    if _REDIRECTED in light:
+        animation.redirect(light, light[_REDIRECTED], "color")
+        del light[_REDIRECTED]
+    if _BEFORE not in light:
         return
-    before = light[_COLOR].to_dict()
+    before = light[_BEFORE].to_dict()
     light.color = before["color"]
-    light.use_temperature = bool(before["use_temperature"])
+    if before["temperature"]:
+        light.use_temperature = True
     if not before["use_nodes"]:
         light.use_nodes = False
-    del light[_COLOR]
+    del light[_BEFORE]
 
 
 def local_lights():
     return [light for light in bpy.data.lights if light.library is None]
+
+
+class Lighting:
+    """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps.
+
+    temperatures: {light group: kelvin} of the groups in which all is one black body.
+    """
+
+    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list):
+        self.model, self.groups, self.lamps = model, groups, lamps
+        found = {}
+        for shading in shadings:
+            for kelvin in self._temperatures_in(shading):
+                found.setdefault(self._name(shading), set()).add(kelvin)
+        self.temperatures = {name: next(iter(kinds)) for name, kinds in found.items() if len(kinds) == 1}
+        self.temperatures = {name: kelvin for name, kelvin in self.temperatures.items() if kelvin}
+
+    def _name(self, shading) -> str:
+        return shading.light_group if shading.light_group in self.groups else self.groups[-1]
+
+    def _temperatures_in(self, shading):
+        """Kelvin of each emission of a tree; None for what is no black body."""
+        lamp = self.lamps.get(shading.owner)
+        for node in shading.tree.nodes:
+            for socket in spectral_sockets(node):
+                if kind_of(socket) is Kind.EMISSION and in_use(socket):
+                    own = blackbody_behind(socket)
+                    if lamp and lamp.temperature:
+                        yield None if own else lamp.temperature
+                    else:
+                        yield own
+
+    def _emitter(self, name: str, kelvin: float):
+        """The emitter group of a black body in a light group."""
+        spectrum = library.illuminant(_planckian(kelvin))
+        reference = _planckian(kelvin) if name in self.temperatures else _DAYLIGHT
+        coefficients = self.model.emission(spectrum, library.illuminant(reference))
+        return nodes.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
+
+    def illuminant(self, name: str) -> str:
+        """The illuminant that a light group has before the artist chooses one."""
+        return _planckian(self.temperatures[name]) if name in self.temperatures else _DAYLIGHT
+
+    def convert(self, conversion, shading, socket):
+        """Put the light of its light group in front of a socket that sends out light."""
+        name = self._name(shading)
+        spectral = conversion.carries_spectrum(shading, socket, set())
+        if spectral:
+            conversion.upsample(shading, socket, set())
+        kelvin = blackbody_behind(socket)
+        if kelvin:
+            conversion.insert(shading, socket, self._emitter(name, kelvin))
+        group = nodes.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
+        light = conversion.insert(shading, socket, group)
+        lamp = self.lamps.get(shading.owner)
+        if lamp is None:
+            return
+        light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
+        if lamp.temperature:
+            emitter = self._emitter(name, lamp.temperature)
+            conversion.insert(shading, light.inputs["Spectrum"], emitter, value=lamp.glow)
+        if _REDIRECTED not in shading.owner and "color" in animation.paths(shading.owner, shading.owner):
+            path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
+            animation.redirect(shading.owner, "color", path)
+            shading.owner[_REDIRECTED] = path
+
+
+def _planckian(kelvin: float) -> str:
+    return f"Planckian {kelvin:g} K"
+
+
+def blackbody_behind(socket) -> float | None:
+    """Kelvin of the Blackbody node whose colour, and nothing else, comes into a socket; None if there is none.
+
+    A temperature that is linked or animated, or that the library's law does not reach, counts as a colour.
+    """
+    while socket.is_linked and not socket.links[0].is_muted:
+        node = socket.links[0].from_node
+        if node.type == "BLACKBODY":
+            temperature = node.inputs["Temperature"]
+            tree = temperature.id_data
+            moving = temperature.path_from_id("default_value") in animation.paths(tree, tree)
+            kelvin = round(temperature.default_value, 2)
+            return kelvin if not (temperature.is_linked or moving) and 800.0 <= kelvin <= 40_000.0 else None
+        if node.type != "REROUTE" and nodes.role(node) not in nodes.INSERTED:
+            return None
+        socket = node.inputs[0]
+    return None

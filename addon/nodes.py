@@ -3,8 +3,9 @@
 In shaders:
 - *View* reads the matrix of the view layer being rendered (see `passes`);
 - a *spectrum* group holds p coefficients and gives the colour `W @ c`, or a plain RGB colour where there is no W;
-- *Upsample* does the same for an RGB input;
-- *Light* upsamples the colour of a lamp and colours it as its light group.
+- *Upsample* does the same for an RGB input, or a vector that holds one number for each of red, green and blue;
+- *Light* upsamples the colour of a lamp and colours it as its light group;
+- an *emitter* is a lamp's own spectrum, relative to that of its light group, in place of an RGB colour.
 
 In the compositor:
 - *Recombination* sums matrices times coefficient passes.
@@ -16,8 +17,10 @@ import bpy
 import numpy as np
 
 __all__ = [
+    "INSERTED",
     "ROLE",
     "clear_orphans",
+    "emitter_group",
     "fill_spectrum",
     "fill_spectrum_plain",
     "insert",
@@ -33,6 +36,8 @@ __all__ = [
 ]
 
 ROLE = "relume_role"
+INSERTED = frozenset({"upsample", "light", "emitter"})  # roles of the groups that `insert` puts in front of sockets
+_KEPT = "relume_kept"  # on an inserted node: its value is not the artist's, and goes nowhere
 _STEP = 180  # editor units between columns of nodes
 
 
@@ -118,19 +123,24 @@ def _add_view(tree, channels: int):
     return _add(tree, "ShaderNodeGroup", 0, node_tree=view_group(channels), label="View")
 
 
-def upsample_group(channels: int):
-    """The shared *Upsample* group: an RGB colour in, `B @ rgb` out."""
-    tree, new = _shared_tree("Relume Upsample", "upsample")
+def upsample_group(channels: int, vector: bool = False):
+    """The shared *Upsample* group: an RGB colour in, `B @ rgb` out; or a vector, whose result is never negative."""
+    tree, new = _shared_tree("Relume Upsample Vector" if vector else "Relume Upsample", "upsample")
     if not new:
         return tree
-    _socket(tree, "Color", "Color", output=False, default=(0.8, 0.8, 0.8, 1.0))
-    _socket(tree, "Color", "Color", output=True)
+    name = kind = "Vector" if vector else "Color"
+    _socket(tree, name, kind, output=False, default=(1.0, 1.0, 1.0) if vector else (0.8, 0.8, 0.8, 1.0))
+    _socket(tree, name, kind, output=True)
     source = _add(tree, "NodeGroupInput", 0, 1)
     view = _add_view(tree, channels)
-    upsampled = _upsampled(tree, view, source.outputs["Color"], 2)
-    chosen = _choose(tree, 5, view.outputs["ON"], source.outputs["Color"], upsampled)
+    upsampled = _upsampled(tree, view, source.outputs[name], 2)
+    if vector:
+        bound = _add(tree, "ShaderNodeVectorMath", 4, 1, operation="MAXIMUM")
+        tree.links.new(upsampled, bound.inputs[0])
+        upsampled = bound.outputs[0]
+    chosen = _choose(tree, 5, view.outputs["ON"], source.outputs[name], upsampled)
     output = _add(tree, "NodeGroupOutput", 6)
-    tree.links.new(chosen, output.inputs["Color"])
+    tree.links.new(chosen, output.inputs[name])
     return tree
 
 
@@ -143,29 +153,65 @@ def _upsampled(tree, view, color, column: int):
     return total
 
 
-def light_group(index: int, channels: int):
-    """The shared *Light* group of light group number `index`: colour and tint of a lamp in, its emission out."""
-    tree, new = _shared_tree(f"Relume Light {index + 1}", "light")
+def light_group(index: int, channels: int, spectral: bool = False):
+    """The shared *Light* group of light group number `index`: the colours that a lamp has in, its emission out.
+
+    Color and Tint are multiplied as RGB, and Spectrum comes from a spectrum; `spectral` when Color does so as well.
+    """
+    tree, new = _shared_tree(f"Relume {'Spectral ' if spectral else ''}Light {index + 1}", "light")
     if not new:
         return tree
-    white = (1.0, 1.0, 1.0, 1.0)
-    _socket(tree, "Color", "Color", output=False, default=white)
-    _socket(tree, "Tint", "Color", output=False, default=white)
+    for name in ("Color", "Tint", "Spectrum"):
+        _socket(tree, name, "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
     _socket(tree, "Color", "Color", output=True)
     source = _add(tree, "NodeGroupInput", 0, 1)
     view = _add_view(tree, channels)
-    filtered = _add(tree, "ShaderNodeVectorMath", 1, 2, operation="MULTIPLY")
-    tree.links.new(source.outputs["Color"], filtered.inputs[0])
-    tree.links.new(source.outputs["Tint"], filtered.inputs[1])
-    upsampled = _upsampled(tree, view, filtered.outputs[0], 2)
+    filtered = _product(tree, 1, 2, source.outputs["Color"], source.outputs["Tint"])
+    if spectral:
+        tint = _upsampled(tree, view, source.outputs["Tint"], 2)
+        colored = _product(tree, 5, 3, source.outputs["Color"], tint)
+    else:
+        colored = _upsampled(tree, view, filtered, 2)
     color = _add(tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}")
-    lit = _add(tree, "ShaderNodeVectorMath", 5, 1, operation="MULTIPLY")
-    tree.links.new(upsampled, lit.inputs[0])
-    tree.links.new(color.outputs["Vector"], lit.inputs[1])
-    chosen = _choose(tree, 6, view.outputs["ON"], filtered.outputs[0], lit.outputs[0])
-    output = _add(tree, "NodeGroupOutput", 7)
+    lit = _product(tree, 5, 1, colored, color.outputs["Vector"])
+    plain, spectrally = (_product(tree, 6, 1 + k, v, source.outputs["Spectrum"]) for k, v in enumerate((filtered, lit)))
+    chosen = _choose(tree, 7, view.outputs["ON"], plain, spectrally)
+    output = _add(tree, "NodeGroupOutput", 8)
     tree.links.new(chosen, output.inputs["Color"])
     return tree
+
+
+def _product(tree, column: int, row: int, a, b):
+    node = _add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY")
+    tree.links.new(a, node.inputs[0])
+    tree.links.new(b, node.inputs[1])
+    return node.outputs[0]
+
+
+def emitter_group(name: str, coefficients: np.ndarray):
+    """The shared *emitter* group of that name: an RGB colour in, which shows where no W is set, `W @ c` out."""
+    tree, new = _shared_tree(name, "emitter")
+    if not new:
+        return tree
+    _socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    _socket(tree, "Color", "Color", output=True)
+    channels = len(coefficients)
+    source = _add(tree, "NodeGroupInput", 0, 1)
+    view = _add_view(tree, channels)
+    chosen = _choose(
+        tree, channels + 1, view.outputs["ON"], source.outputs["Color"], _weighed(tree, view, coefficients, 0)
+    )
+    output = _add(tree, "NodeGroupOutput", channels + 2)
+    tree.links.new(chosen, output.inputs["Color"])
+    return tree
+
+
+def _weighed(tree, view, coefficients, row: int):
+    """The colour `W @ c`."""
+    total = None
+    for k, value in enumerate(coefficients):
+        total = _multiply_add(tree, k + 1, row, view.outputs[f"W{k}"], float(value), total)
+    return total
 
 
 def new_spectrum(name: str, outputs: dict[str, str]):
@@ -220,9 +266,7 @@ def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndar
     output = _add(tree, "NodeGroupOutput", channels + 3)
     view = _add_view(tree, channels)
     for row, (name, values) in enumerate(coefficients.items()):
-        total = None
-        for k, value in enumerate(values):
-            total = _multiply_add(tree, k + 1, row, view.outputs[f"W{k}"], float(value), total)
+        total = _weighed(tree, view, values, row)
         if output.inputs[name].type == "VECTOR":
             # n and k of a metal: what the preview makes of them may not be negative
             bound = _add(tree, "ShaderNodeVectorMath", channels + 1, row, operation="MAXIMUM")
@@ -232,8 +276,12 @@ def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndar
         tree.links.new(chosen, output.inputs[name])
 
 
-def insert(tree, socket, group):
-    """Put a node of `group` in front of `socket`; it takes over the socket's link or value. Returns the node."""
+def insert(tree, socket, link, group, value=None):
+    """Put a node of `group` in front of `socket`; it takes over the socket's link or value. Returns the node.
+
+    link: what comes into the socket, None if nothing does. value: a colour to show in place of the socket's own, that
+    `take_out` is not to hand back.
+    """
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
     node.label = group.name
@@ -242,23 +290,34 @@ def insert(tree, socket, group):
     # Beside the socket's own node, inside the same frame
     node.parent = socket.node.parent
     node.location = (socket.node.location.x - _STEP, socket.node.location.y - 40)
-    color = node.inputs["Color"]
-    if socket.is_linked:
-        link = socket.links[0]
-        muted = link.is_muted
-        tree.links.new(link.from_socket, color).is_muted = muted
-    else:
-        color.default_value = socket.default_value
-    tree.links.new(node.outputs["Color"], socket)
+    own = node.inputs[0]
+    given = socket.default_value if value is None else value
+    own.default_value = (*given, 1.0) if own.type == "RGBA" and len(given) == 3 else given[: len(own.default_value)]
+    if value is not None:
+        node[_KEPT] = True
+    if link is not None:
+        # Before the node leads anywhere: Blender updates all users of a tree when its output changes
+        tree.links.new(link.from_socket, own).is_muted = link.is_muted
+    tree.links.new(node.outputs[0], socket)
     return node
 
 
-def take_out(tree, node):
-    """Undo `insert`: what fed the node feeds its users again, and unlinked users show their own value."""
-    color = node.inputs["Color"]
-    targets = [link.to_socket for link in node.outputs["Color"].links]
-    if color.is_linked:
-        source, muted = color.links[0].from_socket, color.links[0].is_muted
+def take_out(tree, node, driven: bool = False):
+    """Undo `insert`: what fed the node feeds its users again; otherwise they get its value, edited or not.
+
+    driven: the value follows that of its users, which have it already.
+    """
+    own, link = node.inputs[0], None
+    if own.is_linked:
+        link = own.links[0]
+    targets = [out.to_socket for out in node.outputs[0].links]
+    if not driven and _KEPT not in node:
+        for target in targets:
+            value = own.default_value[: len(target.default_value)]
+            if tuple(target.default_value[: len(value)]) != tuple(value):
+                target.default_value[: len(value)] = value
+    if link is not None:
+        source, muted = link.from_socket, link.is_muted
         for target in targets:
             tree.links.new(source, target).is_muted = muted
     tree.nodes.remove(node)
@@ -303,7 +362,7 @@ def write_recombination(tree, matrices: np.ndarray):
 
 def clear_orphans():
     """Delete the shared groups that nothing uses any more (a spectrum is the artist's: it stays)."""
-    roles = ("upsample", "light", "recombination", "view")
+    roles = (*INSERTED, "recombination", "view")
     for role_name in roles:
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:

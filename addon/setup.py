@@ -7,11 +7,15 @@ import bpy
 from ..core import grouping, plan, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
-from . import compositing, content, lights, nodes, passes, properties, sockets, spectra
+from . import compositing, content, inventory, lights, nodes, passes, properties, remarks, sockets, spectra
 
 __all__ = ["SetupError", "lighting", "relight", "remove", "set_up"]
 
 _BEFORE = "relume_before"  # what the scene's own settings were
+_GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
+
+
+_LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
 
 
 class SetupError(RuntimeError):
@@ -45,9 +49,11 @@ def set_up(scene, model: FactorModel | None = None):
         try:
             _set_up(each, model)
             each[properties.PLAN] = chosen
-        except Exception:
+        except Exception as error:
             remove(each)
-            raise
+            if isinstance(error, SetupError):
+                raise
+            raise SetupError(f"scene {each.name!r} is as it was, for setting it up failed: {error}") from error
 
 
 def _set_up(scene, model: FactorModel):
@@ -56,7 +62,7 @@ def _set_up(scene, model: FactorModel):
     _keep_settings(scene)
     scene[properties.MODEL] = json.dumps(model.to_dict())
     spectra.update_all(model)
-    _convert_colors(scene, groups, model.channels)
+    _convert_colors(scene, groups, model)
     passes.add(scene, model, groups, samples=_samples(scene, model), same_seed=settings.same_seed)
     compositing.add(scene, groups)
     _write_lighting(scene)
@@ -135,15 +141,31 @@ def _samples(scene, model: FactorModel) -> int:
     return -(-scene.cycles.samples // model.passes) if scene.relume.split_samples else 0
 
 
-def _convert_colors(scene, groups: list[str], channels: int):
-    tints = {}
-    for thing in scene.objects:
-        if thing.type == "LIGHT" and thing.data.library is None:
-            tints[thing.data] = lights.convert(thing.data)
-    by_tree = {light.node_tree: tint for light, tint in tints.items()}
-    for tree, light_group in sockets.trees_of(scene):
-        index = groups.index(light_group) if light_group in groups else len(groups) - 1
-        sockets.convert(tree, index, channels, by_tree.get(tree, (1.0, 1.0, 1.0)))
+def _convert_colors(scene, groups: list[str], model: FactorModel):
+    """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
+    found = inventory.take(scene)
+    lamps, about_lamps = lights.take_colors(found.lights)
+    shadings, about_trees = sockets.shadings_of(found)
+    shining = lights.Lighting(model, groups, lamps, shadings)
+    about_colors = sockets.convert(shadings, model.channels, shining.convert)
+    long_names = {name for name in (thing.lightgroup for thing in found.objects) if lights.is_too_long(name)}
+    about_groups = [remarks.Remark(name, "", _LONG_NAME) for name in sorted(long_names)]
+    remarks.write(scene, [*about_trees, *about_lamps, *about_groups, *about_colors])
+    given = {}
+    for row in scene.relume.light_groups:
+        if not row.is_property_set("illuminant") and shining.illuminant(row.name) != row.illuminant:
+            row["illuminant"] = given[row.name] = shining.illuminant(row.name)
+    scene[_GIVEN] = given
+
+
+def _take_back_illuminants(scene):
+    """Unset the illuminants that set-up put into the mixer, where the artist chose no other."""
+    given = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
+    for row in scene.relume.light_groups:
+        if row.illuminant == given.get(row.name):
+            row.property_unset("illuminant")
+    if _GIVEN in scene:
+        del scene[_GIVEN]
 
 
 def lighting(scene) -> dict:
@@ -186,7 +208,9 @@ def remove(scene):
     compositing.remove(scene)
     passes.remove(scene)
     _give_settings_back(scene)
+    _take_back_illuminants(scene)
     _forget_untouched_rows(scene.relume)
+    remarks.clear(scene)
     for key in (properties.MODEL, properties.PLAN):
         if key in scene:
             del scene[key]

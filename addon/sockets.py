@@ -1,106 +1,250 @@
-"""The colours of a scene: finding every spectral socket, and putting an *Upsample* or *Light* group in front of it."""
+"""The colours of a scene: putting an *Upsample* or *Light* group in front of every spectral socket, and taking it out.
+
+A spectrum is spectral already. Where it reaches a closure through reroutes, mixes or node groups, the RGB colours that
+it is mixed with are upsampled before the mix.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import bpy
 
-from . import nodes
+from . import animation, nodes
+from .closures import Kind, in_use, is_animated, kind_of, reasons, spectral_sockets
+from .inventory import Inventory, take
+from .remarks import Remark
 
-__all__ = ["all_trees", "convert", "emits", "restore", "trees_of"]
+__all__ = [
+    "Conversion",
+    "Shading",
+    "all_trees",
+    "convert",
+    "emits",
+    "restore",
+    "shadings_of",
+    "spectral_sockets",
+    "spectral_sockets",
+    "trees_of",
+]
 
-_EMITTERS = {
-    "ShaderNodeEmission": "Color",
-    "ShaderNodeBackground": "Color",
-    "ShaderNodeBsdfPrincipled": "Emission Color",
-}
+# Nodes that a spectrum passes through channel by channel, and those that make another colour of it
+_THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
+_RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
+_LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
+_OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colours stay RGB"
 
 
-def trees_of(scene):
-    """Node trees that shade a scene, each with the light group that its emission belongs to: (tree, light group name).
+@dataclass(frozen=True)
+class Shading:
+    """A node tree that shades a scene.
 
-    Groups inside trees come once, as part of the first tree that uses them. Linked trees are left out: they cannot be
-    changed here.
+    owner: the material, world or light that it belongs to, or the tree itself if it is a node group. light_group: the
+    light group of what it emits.
     """
-    found = {}
 
-    def visit(tree, light_group):
-        if tree is None or tree in found or tree.library is not None or tree.get(nodes.ROLE):
+    tree: bpy.types.NodeTree
+    owner: bpy.types.ID
+    light_group: str
+
+    @property
+    def words(self) -> str:
+        return self.owner.name
+
+
+def trees_of(scene) -> list:
+    """The node trees that shade a scene and can be changed, each with the light group of what it emits."""
+    return [(shading.tree, shading.light_group) for shading in shadings_of(take(scene))[0]]
+
+
+def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
+    """The node trees that shade a scene and can be changed, and remarks on those that cannot.
+
+    Groups inside trees come once, as part of the first tree that uses them.
+    """
+    found, remarks = {}, []
+
+    def visit(tree, owner, light_group):
+        if tree is None or tree in found or tree.get(nodes.ROLE):
             return
-        found[tree] = light_group
+        if owner.library is not None or owner.override_library is not None:
+            if not _is_converted(tree):
+                why = _OVERRIDE if owner.library is None else _LINKED.format(owner.library.filepath)
+                remarks.append(Remark(owner.name, "", why))
+            return
+        found[tree] = Shading(tree, owner, light_group)
         for node in tree.nodes:
             if node.type == "GROUP":
-                visit(node.node_tree, light_group)
+                visit(node.node_tree, node.node_tree, light_group)
 
-    if scene.world:
-        visit(scene.world.node_tree, scene.world.lightgroup)
-    for thing in scene.objects:
-        if thing.type == "LIGHT":
-            visit(thing.data.node_tree, thing.lightgroup)
-        for slot in thing.material_slots:
-            if slot.material:
-                visit(slot.material.node_tree, thing.lightgroup)
-    return list(found.items())
-
-
-def _spectral_sockets(node):
-    """Colour inputs of a node that makes a shader (not those that mix shaders)."""
-    if node.type in {"GROUP", "MIX_SHADER", "ADD_SHADER"} or not any(s.type == "SHADER" for s in node.outputs):
-        return []
-    return [socket for socket in node.inputs if socket.type == "RGBA" and not socket.is_unavailable]
+    if inventory.world:
+        visit(inventory.world.node_tree, inventory.world, inventory.world.lightgroup)
+    for light, thing in inventory.lights.items():
+        visit(light.node_tree, light, thing.lightgroup)
+    for material, thing in inventory.materials.items():
+        visit(material.node_tree, material, thing.lightgroup if thing else "")
+        if material.node_tree is None and not material.is_grease_pencil:
+            remarks.append(Remark(material.name, "", "it has no nodes: its colour stays RGB"))
+    return list(found.values()), remarks
 
 
-def _is_neutral(socket) -> bool:
-    red, green, blue = socket.default_value[:3]
-    return not socket.is_linked and red == green == blue
+def _is_converted(tree) -> bool:
+    return any(nodes.role(node) for node in tree.nodes)
 
 
-def _from_spectrum(socket) -> bool:
-    while socket.is_linked:
-        node = socket.links[0].from_node
-        if node.type != "REROUTE":
-            return nodes.role(node) == "spectrum"
-        socket = node.inputs[0]
-    return False
-
-
-def convert(tree, light_index: int, channels: int, tint=(1.0, 1.0, 1.0)):
-    """Make every colour of a node tree take part in the spectral render. What is spectral or grey stays as it is.
-
-    light_index: number of the light group of what the tree emits. tint: colour of the lamp itself. Running it twice
-    changes nothing more.
-    """
-    for node in list(tree.nodes):
-        for socket in _spectral_sockets(node):
-            emits = _EMITTERS.get(node.bl_idname) == socket.name
-            if socket.is_linked and nodes.role(socket.links[0].from_node) in {"upsample", "light"}:
-                continue
-            if _from_spectrum(socket):
-                continue
-            if emits and _may_emit(node, socket):
-                lamp = nodes.insert(tree, socket, nodes.light_group(light_index, channels))
-                lamp.inputs["Tint"].default_value = (*tint, 1.0)
-            elif not emits and not _is_neutral(socket):
-                nodes.insert(tree, socket, nodes.upsample_group(channels))
-
-
-def _may_emit(node, socket) -> bool:
-    """Whether the emission of a node can be anything but black: most Principled materials emit nothing."""
-    strength = node.inputs["Emission Strength" if socket.name == "Emission Color" else "Strength"]
-    dark = not socket.is_linked and not any(socket.default_value[:3])
-    return not dark and (strength.is_linked or strength.default_value != 0.0)
+def _is_closed(node) -> bool:
+    """Whether a node is a linked group that makes a shader: colours take part if they are spectral before it."""
+    if node.type != "GROUP" or node.node_tree is None or node.node_tree.library is None or nodes.role(node):
+        return False
+    return any(s.type == "SHADER" for s in node.outputs) and not _is_converted(node.node_tree)
 
 
 def emits(tree) -> bool:
     """Whether a node tree has a socket that sends out light."""
     return any(
-        _EMITTERS.get(node.bl_idname) == socket.name and _may_emit(node, socket)
-        for node in tree.nodes
-        for socket in _spectral_sockets(node)
+        kind_of(socket) is Kind.EMISSION and in_use(socket) for node in tree.nodes for socket in spectral_sockets(node)
     )
+
+
+@dataclass
+class Conversion:
+    """The state of one conversion: what comes into the sockets of each tree, and who uses each node group."""
+
+    shadings: list[Shading]
+    channels: int
+    has_spectra: bool
+    remarks: list[Remark] = field(default_factory=list)
+    incoming: dict = field(default_factory=dict)
+    animated: dict = field(default_factory=dict)
+    callers: dict | None = None
+
+    def source(self, shading: Shading, socket):
+        """The link that comes into a socket, or None."""
+        if shading.tree not in self.incoming:
+            self.incoming[shading.tree] = {link.to_socket: link for link in shading.tree.links}
+        return self.incoming[shading.tree].get(socket)
+
+    def animated_in(self, shading: Shading) -> frozenset[str]:
+        if shading.tree not in self.animated:
+            self.animated[shading.tree] = animation.paths(shading.tree, shading.owner)
+        return self.animated[shading.tree]
+
+    def feeds(self, shading: Shading, socket):
+        """(shading, socket) of what a colour passes on its way into `socket`; None where it starts there."""
+        link = self.source(shading, socket)
+        if link is None or link.is_muted:
+            return None
+        node = link.from_node
+        if node.type in _THROUGH:
+            return [(shading, s) for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable]
+        if node.type == "GROUP" and node.node_tree and not nodes.role(node):
+            inner = self.by_tree.get(node.node_tree)
+            ends = [n for n in node.node_tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output] if inner else []
+            return [(inner, s) for end in ends for s in end.inputs if s.identifier == link.from_socket.identifier]
+        if node.type == "GROUP_INPUT":
+            identifier = link.from_socket.identifier
+            callers = self.callers_of(shading.tree)
+            return [(caller, s) for caller, n in callers for s in n.inputs if s.identifier == identifier]
+        return None
+
+    @cached_property
+    def by_tree(self) -> dict:
+        return {shading.tree: shading for shading in self.shadings}
+
+    def callers_of(self, tree) -> list:
+        if self.callers is None:
+            self.callers = {}
+            for shading in self.shadings:
+                for node in shading.tree.nodes:
+                    if node.type == "GROUP" and node.node_tree:
+                        self.callers.setdefault(node.node_tree, []).append((shading, node))
+        return self.callers.get(tree, [])
+
+    def carries_spectrum(self, shading: Shading, socket, visited: set) -> bool:
+        """Whether a measured spectrum reaches a socket."""
+        if not self.has_spectra or socket in visited:
+            return False
+        visited.add(socket)
+        link = self.source(shading, socket)
+        if link is not None and not link.is_muted and nodes.role(link.from_node) == "spectrum":
+            return True
+        if link is not None and link.from_node.type in _RGB_ONLY:
+            self.remark_on_rgb_only(shading, link.from_node, visited)
+            return False
+        return any(self.carries_spectrum(*place, visited) for place in self.feeds(shading, socket) or ())
+
+    def remark_on_rgb_only(self, shading: Shading, node, visited: set):
+        if any(self.carries_spectrum(shading, s, visited) for s in node.inputs if s.type == "RGBA"):
+            why = "it changes a spectrum as if it were an RGB colour: put the spectrum behind it"
+            self.remarks.append(Remark(shading.words, node.name, why))
+
+    def upsample(self, shading: Shading, socket, visited: set):
+        """Make what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
+        if socket in visited:
+            return
+        visited.add(socket)
+        link = self.source(shading, socket)
+        if link is not None and nodes.role(link.from_node) in nodes.INSERTED | {"spectrum"}:
+            return
+        if self.carries_spectrum(shading, socket, set()):
+            for place in self.feeds(shading, socket) or ():
+                self.upsample(*place, visited)
+        elif not self.is_neutral(shading, socket, link):
+            self.insert(shading, socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
+
+    def is_neutral(self, shading: Shading, socket, link) -> bool:
+        """Whether the value of a socket is the same in every channel, and stays so."""
+        if (link is not None and not link.is_muted) or is_animated(socket, self.animated_in(shading)):
+            return False
+        red, green, blue = socket.default_value[:3]
+        return red == green == blue
+
+    def insert(self, shading: Shading, socket, group, value=None):
+        node = nodes.insert(shading.tree, socket, self.source(shading, socket), group, value)
+        if is_animated(socket, self.animated_in(shading)):
+            animation.follow(node.inputs[0], socket, shading.owner)
+        self.incoming[shading.tree] |= {socket: node.outputs[0].links[0]}
+        return node
+
+
+def convert(
+    shadings: list[Shading], channels: int, light: Callable[[Conversion, Shading, bpy.types.NodeSocket], None]
+) -> list[Remark]:
+    """Make every colour of the node trees of a scene take part in the spectral render; grey ones do already.
+
+    light: called for each socket that sends out light. Returns remarks on what stays RGB. Running it twice changes
+    nothing more.
+    """
+    has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
+    conversion = Conversion(shadings, channels, has_spectra)
+    for shading in shadings:
+        has_output = shading.owner == shading.tree
+        for node in list(shading.tree.nodes):
+            has_output |= getattr(node, "is_active_output", False)
+            conversion.remarks += [Remark(shading.words, node.name, why) for why in reasons(node)]
+            for socket in spectral_sockets(node):
+                link = conversion.source(shading, socket)
+                if link is not None and nodes.role(link.from_node) in nodes.INSERTED:
+                    continue
+                if not in_use(socket, conversion.animated_in(shading)):
+                    continue
+                if kind_of(socket) is Kind.EMISSION:
+                    light(conversion, shading, socket)
+                else:
+                    conversion.upsample(shading, socket, set())
+            if _is_closed(node):
+                for socket in [s for s in node.inputs if s.type == "RGBA"]:
+                    conversion.upsample(shading, socket, set())
+        if not has_output:
+            conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
+    return conversion.remarks
 
 
 def restore(tree):
     """Take out of a node tree what `convert` put in."""
-    for node in [node for node in tree.nodes if nodes.role(node) in {"upsample", "light"}]:
-        nodes.take_out(tree, node)
+    for node in [node for node in tree.nodes if nodes.role(node) in nodes.INSERTED]:
+        driven = animation.unfollow(node)
+        nodes.take_out(tree, node, driven)
 
 
 def all_trees():

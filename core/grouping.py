@@ -21,10 +21,11 @@ def balanced(model: FactorModel) -> FactorModel:
     The noise of the channels of one pass is the same; that of the passes is independent. With v_k the XYZ of a white
     surface that pass k adds, a picture's variance is that of the sum of e_k v_k, so the sum of |v_k|^2 is made least,
     in the metric of CIEDE2000 at white. Where all v_k are equal it is that of an RGB render with as many samples.
-    Models whose last pass is part empty, and those of one pass, stay as they are.
+    In every pass the channel of the longest wavelengths comes first, as red does: an RGB colour that nothing upsamples
+    is then taken as a spectrum of three steps. Models whose last pass is part empty, and RGB ones, stay as they are.
     """
     passes = model.passes
-    if passes == 1 or model.channels % 3:
+    if model.channels % 3 or model.rule == "diagonal":
         return model
     shares = _white_shares(model)
     groups = [list(range(k, model.channels, passes)) for k in range(passes)]
@@ -33,7 +34,8 @@ def balanced(model: FactorModel) -> FactorModel:
         better = False
         for a, b in combinations(range(passes), 2):
             better |= _swap(groups[a], groups[b], shares)
-    order = [channel for group in groups for channel in sorted(group)]
+    centroids = model.wavelengths @ np.abs(model.filters) / np.abs(model.filters).sum(axis=0)
+    order = [channel for group in groups for channel in sorted(group, key=lambda k: -centroids[k])]
     arrays = {"filters": model.filters[:, order]}
     if model.reconstruction is not None:
         arrays["reconstruction"] = model.reconstruction[:, order]

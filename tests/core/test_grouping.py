@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, grouping, library
+from relume.core import bases, grouping, library, view
 
 
 def luminance_shares(model, light):
@@ -33,6 +33,16 @@ def test_the_model_is_the_same_but_for_the_order_of_its_channels():
     assert grouping.balanced(bases.bands()).reconstruct(np.ones(36)) == pytest.approx(np.ones(81))
 
 
-def test_one_pass_and_part_empty_passes_stay_as_they_are():
-    for model in (bases.fitted(3), bases.fitted(5), bases.rgb()):
+def test_rgb_and_part_empty_passes_stay_as_they_are():
+    for model in (bases.fitted(5), bases.rgb()):
         assert grouping.balanced(model) is model
+
+
+@pytest.mark.parametrize("channels", [3, 9, 12])
+def test_an_rgb_colour_that_nothing_upsamples_keeps_its_hue(channels):
+    model = grouping.balanced(bases.fitted(channels))
+    to_rgb = view.xyz_to_rgb() @ model.relight(library.illuminant("D65"))
+    for color in ([0.8, 0.1, 0.1], [0.1, 0.8, 0.1], [0.1, 0.1, 0.8], [0.8, 0.7, 0.1]):
+        shown = to_rgb @ np.tile(color, model.passes)
+        hue = (np.array(color) - 0.1) / np.linalg.norm(np.array(color) - 0.1)
+        assert (shown - 0.1) @ hue / np.linalg.norm(shown - 0.1) > 0.8
