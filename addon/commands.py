@@ -22,6 +22,7 @@ _REPORTS = {
     "stability": "what every model does with difficult input",
 }
 
+_MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
 _CHANNELS = [name for name, _, _ in properties.CHANNELS]
 
 
@@ -64,6 +65,18 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
     demo = commands.add_parser("demo", help="render the test room and relight it")
     demo.add_argument("--out", type=Path, metavar="DIR", default=Path("out/demo"), help="folder for the results")
 
+    report = commands.add_parser("report", help="error against run time of a scene, for every model")
+    if in_blender:
+        report.set_defaults(scene=None)
+    else:
+        report.add_argument("scene", metavar="SCENE.blend", type=Path)
+    report.add_argument("--channels", type=_positive, nargs="+", metavar="P", default=[3, 6, 9, 12, 15])
+    report.add_argument("--models", choices=_MODELS, nargs="+", default=["rgb", "prefiltered", "fitted"])
+    report.add_argument("--samples", type=_positive, metavar="N", help="samples per pixel")
+    report.add_argument("--percent", type=_positive, metavar="P", help="resolution, of the scene's own")
+    report.add_argument("--frame", type=int, metavar="N")
+    report.add_argument("--out", type=Path, metavar="DIR", default=Path("report"), help="folder for the report")
+
     for name, words in _REPORTS.items():
         commands.add_parser(name, help=words, add_help=False)
     return parser
@@ -97,7 +110,7 @@ class Failure(Exception):
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from . import demo, jobs
+    from . import demo, jobs, report
 
     if arguments.command == "render":
         if arguments.scene is not None:
@@ -107,8 +120,13 @@ def _run(arguments: argparse.Namespace) -> None:
         jobs.relight_file(arguments)
     else:
         if importlib.util.find_spec("matplotlib") is None:
-            raise Failure("relume demo draws with matplotlib, which this Python lacks: run it with `make demo`")
-        demo.run(arguments.out)
+            raise Failure(f"relume {arguments.command} draws with matplotlib, which this Python lacks: see the README")
+        if arguments.command == "demo":
+            demo.run(arguments.out)
+        else:
+            if arguments.scene is not None:
+                _open(arguments.scene)
+            report.run(arguments)
 
 
 def _open(path: Path):

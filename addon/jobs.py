@@ -11,7 +11,7 @@ from ..core import coefficients, library, view
 from . import denoise, render, setup
 from .setup import SetupError
 
-__all__ = ["Progress", "relight_file", "render_scene", "writable"]
+__all__ = ["Progress", "file_name", "relight_file", "render_scene", "writable"]
 
 
 class Progress:
@@ -74,8 +74,8 @@ def _choose_illuminants(scene, chosen: list[str]) -> list[str]:
     return plain
 
 
-def _file_name(text: str) -> str:
-    """An illuminant's name as part of a file's: without what some file systems forbid."""
+def file_name(text: str) -> str:
+    """A name as part of a file's: without what some file systems forbid."""
     return "".join("-" if c in '/\\:*?"<>|' else c for c in text).replace(" ", "_")
 
 
@@ -127,7 +127,7 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
         coefficients.write(path, image, lit)
         written.append(path)
         for illuminant, rgb in pictures.items():
-            path = folder / f"{name}_{_file_name(illuminant)}.png"
+            path = folder / f"{name}_{file_name(illuminant)}.png"
             render.save_picture(path, rgb, image)
             written.append(path)
     except OSError:

@@ -26,6 +26,7 @@ __all__ = [
     "read_render_times",
     "read_rgb",
     "recombine",
+    "to_xyz",
     "write",
 ]
 
@@ -82,6 +83,12 @@ def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
             tile += coefficients[rows] @ matrix
         picture[rows] = tile
     return picture
+
+
+def to_xyz(image: CoefficientImage, lights: Mapping) -> np.ndarray:
+    """(height, width, 3) XYZ of a coefficient image with a `view.Light` for each group."""
+    matrices = [lights[group].gain * image.model.relight(lights[group].illuminant) for group in image.groups]
+    return recombine(list(image.groups.values()), np.array(matrices))
 
 
 def bottom_up_rgba(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:

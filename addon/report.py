@@ -1,0 +1,251 @@
+"""Error against run time of one scene: `relume report`.
+
+Every model renders the scene twice over. Once with the same noise as the reference, so that the difference is the
+model's; twice as an artist would, with samples shared out and seeds of their own, which gives the time and the noise.
+Each model's figures are kept in the report's folder: a stopped report goes on where it was.
+"""
+
+import hashlib
+import json
+import os
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..core import bases, coefficients, figures, measure, plan, view
+from . import content, jobs, render, setup
+
+__all__ = ["run"]
+
+_REFERENCE = "reference"
+_EXPLANATION = """\
+Colour differences are CIEDE2000 to the reference. *Model*: same noise on both sides, so that only the model differs.
+*Noise*: two renders with seeds of their own, samples shared among passes. *Worst lamp*: put on every light after the
+render. The first render of a run loads Cycles: of two the faster counts."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one model took, and how far it is from the reference; colour differences are CIEDE2000.
+
+    model: as the scene is lit, without noise: median, 98th percentile, largest. worst: 98th percentile under the worst
+    of the illuminants that the light may be switched to. total: with noise, as rendered. noise: median between renders.
+    """
+
+    name: str
+    channels: int
+    passes: int
+    seconds: float
+    sync_seconds: float
+    model: dict
+    worst: float
+    worst_light: str
+    total: dict
+    noise: float
+    megabytes: float
+
+
+def run(arguments):
+    """Render the scene of the file that is open with every model asked for; write the report and print its paths."""
+    blend = Path(bpy.data.filepath)
+    if not blend.name:
+        raise ValueError("save the scene first: a report opens its file once for each model")
+    folder = jobs.writable(arguments.out)
+    key = _key(blend, arguments)
+    scene = _open(blend, arguments)
+    chosen = plan.choose(content.content_of(scene), scene.relume.tolerance)
+    models = _models(scene, arguments, chosen.model)
+    takes = _Takes(blend, arguments, folder / "renders", key)
+    reference = takes.comparable(_REFERENCE, bases.bands())
+    rows, pictures = [], {}
+    for name, model in [*models.items(), (_REFERENCE, bases.bands())]:
+        rows.append(takes.row(name, model, reference))
+        pictures[name] = takes.comparable(name, model)
+    _write(folder, blend, rows, chosen, pictures, takes.lights())
+
+
+def _key(blend: Path, arguments) -> str:
+    """Changes with the file and with all that a render depends on."""
+    settings = [blend.read_bytes(), str((arguments.samples, arguments.percent, arguments.frame)).encode()]
+    return hashlib.sha256(b"".join(settings)).hexdigest()
+
+
+def _open(blend: Path, arguments):
+    bpy.ops.wm.open_mainfile(filepath=str(blend), load_ui=False)
+    scene = bpy.context.scene
+    if scene.relume.is_set_up:
+        setup.remove(scene)
+    if arguments.samples:
+        scene.cycles.samples = arguments.samples
+    if arguments.percent:
+        scene.render.resolution_percentage = arguments.percent
+    if arguments.frame is not None:
+        scene.frame_set(arguments.frame)
+    return scene
+
+
+def _models(scene, arguments, chosen) -> dict:
+    """{name: model} in the order of their passes; the planner's choice is among them."""
+    told = content.content_of(scene)
+    made = {}
+    if "rgb" in arguments.models:
+        made["RGB"] = bases.rgb()
+    if "prefiltered" in arguments.models:
+        made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in told.lights}
+    for channels in arguments.channels:
+        if "fitted" in arguments.models:
+            made[f"{channels} channels"] = bases.fitted(channels)
+        if "block" in arguments.models:
+            made[f"block, {channels}"] = bases.block(channels)
+        if "sharpened" in arguments.models:
+            made[f"sharpened, {channels}"] = bases.sharpened(channels)
+    made["automatic"] = chosen
+    return dict(sorted(made.items(), key=lambda item: item[1].passes))
+
+
+class _Takes:
+    """Renders of one scene, kept in a folder under the key of what they depend on."""
+
+    def __init__(self, blend: Path, arguments, folder: Path, key: str):
+        folder.mkdir(exist_ok=True)
+        self.blend, self.arguments, self.folder, self.key = blend, arguments, folder, key
+
+    def lights(self) -> dict[str, view.Light]:
+        """What shines in each light group of the scene that was rendered last."""
+        return {row.name: row.light() for row in bpy.context.scene.relume.light_groups}
+
+    def comparable(self, name: str, model) -> coefficients.CoefficientImage:
+        """The scene without differences of noise: one seed, no path ended by a channel's own brightness."""
+        path = self._path(name, model, "exr")
+        if not path.exists():
+            scene = _open(self.blend, self.arguments)
+            scene.relume.same_seed, scene.relume.split_samples = True, False
+            scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+            image, _ = self._render(scene, name, model)
+            coefficients.write(path, image, render.picture(image, self.lights()))
+        elif not bpy.context.scene.relume.is_set_up:
+            setup.set_up(_open(self.blend, self.arguments), model)
+        return coefficients.read(path)
+
+    def row(self, name: str, model, reference) -> Row:
+        """The figures of a model, from the folder where they are there."""
+        path = self._path(name, model, "json")
+        if path.exists():
+            return Row(**json.loads(path.read_text(encoding="utf-8")))
+        image = self.comparable(name, model)
+        lights, choices = self.lights(), content.content_of(bpy.context.scene).choices
+        worst, worst_light = 0.0, "as it is lit"
+        for light in choices:
+            all_alike = {group: view.Light(light) for group in lights}
+            found = measure.statistics(_difference(image, reference, all_alike))["p98"]
+            if found > worst:
+                worst, worst_light = found, light.name
+        taken = [self._as_an_artist(name, model, seed) for seed in (1, 2)]
+        first, second = (coefficients.to_xyz(image, lights) for image, _ in taken)
+        white = view.mixed_white(list(lights.values()), reference.model)
+        truth = coefficients.to_xyz(reference, lights)
+        row = Row(
+            name=name,
+            channels=model.channels,
+            passes=model.passes,
+            seconds=min(times["seconds"] for _, times in taken),
+            sync_seconds=min(times["sync_seconds"] for _, times in taken),
+            model=measure.statistics(_difference(image, reference, lights)),
+            worst=worst,
+            worst_light=worst_light,
+            total=measure.statistics(measure.picture_delta_E(first, truth, white)),
+            noise=measure.statistics(measure.picture_delta_E(first, second, white))["median"],
+            megabytes=max(times["megabytes"] for _, times in taken),
+        )
+        partial = path.with_suffix(".partial")
+        partial.write_text(json.dumps(asdict(row)), encoding="utf-8")
+        partial.replace(path)
+        return row
+
+    def _as_an_artist(self, name: str, model, seed: int):
+        scene = _open(self.blend, self.arguments)
+        scene.relume.same_seed, scene.relume.split_samples = False, True
+        scene.cycles.seed = 1000 * seed
+        return self._render(scene, name, model)
+
+    def _render(self, scene, name: str, model):
+        """(coefficient image, {"seconds", "sync_seconds", "megabytes"}) of a scene set up for `model`."""
+        setup.set_up(scene, model)
+        progress = jobs.Progress(model.passes, f"{name:<24}")
+        began = time.perf_counter()
+        try:
+            rendered = render.render(scene, self.folder, progress)
+        finally:
+            progress.done()
+        seconds = time.perf_counter() - began
+        sync = sum(times["sync_seconds"] for times in rendered.times.values())
+        return rendered.image, {"seconds": seconds, "sync_seconds": sync, "megabytes": _megabytes()}
+
+    def _path(self, name: str, model, ending: str) -> Path:
+        described = f"{self.key}{name}{json.dumps(model.to_dict())}"
+        return self.folder / f"{jobs.file_name(name)}-{hashlib.sha256(described.encode()).hexdigest()[:12]}.{ending}"
+
+
+def _megabytes() -> float:
+    """Memory of this process now, where the system tells."""
+    try:
+        with open("/proc/self/statm", encoding="ascii") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+    except OSError:
+        return float("nan")
+
+
+def _difference(image, reference, lights) -> np.ndarray:
+    white = view.mixed_white(list(lights.values()), reference.model)
+    return measure.picture_delta_E(coefficients.to_xyz(image, lights), coefficients.to_xyz(reference, lights), white)
+
+
+def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictures: dict, lights: dict):
+    """report.json, report.md and the pictures."""
+    reference = pictures.pop(_REFERENCE)
+    points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
+    figures.error_over_time(folder / "error_over_time.png", points, "automatic")
+    shown = [name for name in ("RGB", "automatic") if name in pictures]
+    maps = [(name, _difference(pictures[name], reference, lights)) for name in shown]
+    figures.delta_e_maps(folder / "delta_e.png", maps)
+    row = [(name, pictures[name]) for name in shown] + [("reference", reference)]
+    row = [(name, view.srgb_encoded(render.picture(image, lights))) for name, image in row]
+    figures.picture_row(folder / "side_by_side.png", row)
+    record = {"scene": str(blend), "reason": chosen.reason, "rows": [asdict(row) for row in rows]}
+    (folder / "report.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    (folder / "report.md").write_text(_markdown(blend, rows, chosen), encoding="utf-8")
+    print(_table(rows))
+    print(f"\nautomatic: {chosen.reason}")
+    for name in ("report.md", "report.json", "error_over_time.png", "delta_e.png", "side_by_side.png"):
+        print(folder / name)
+
+
+def _table(rows: list[Row]) -> str:
+    lines = [
+        f"{'':<24}{'passes':>7}{'seconds':>9}{'sync':>7}{'MB':>7}{'model p50':>11}{'p98':>7}{'worst':>7}{'noise':>7}"
+    ]
+    for row in rows:
+        lines.append(
+            f"{row.name:<24}{row.passes:>7}{row.seconds:>9.1f}{row.sync_seconds:>7.1f}{row.megabytes:>7.0f}"
+            f"{row.model['median']:>11.2f}{row.model['p98']:>7.2f}{row.worst:>7.2f}{row.noise:>7.2f}"
+        )
+    return "\n".join(["", *lines])
+
+
+def _markdown(blend: Path, rows: list[Row], chosen: plan.Plan) -> str:
+    head = "| | channels | passes | seconds | of it sync | MB | model: median / 98 % / max | worst lamp: 98 % "
+    head += "| noise | with noise: median / 98 % |"
+    lines = [f"# {blend.name}: error against run time", "", f"Automatic: {chosen.reason}.", ""]
+    lines += ["![](error_over_time.png)", "", head, "|" + "---|" * 10]
+    for row in rows:
+        model, total = row.model, row.total
+        lines.append(
+            f"| {row.name} | {row.channels} | {row.passes} | {row.seconds:.1f} | {row.sync_seconds:.1f} "
+            f"| {row.megabytes:.0f} | {model['median']:.2f} / {model['p98']:.2f} / {model['max']:.2f} "
+            f"| {row.worst:.2f} ({row.worst_light}) | {row.noise:.2f} | {total['median']:.2f} / {total['p98']:.2f} |"
+        )
+    lines += ["", *_EXPLANATION.splitlines(), ""]
+    return "\n".join([*lines, "![](side_by_side.png)", "", "![](delta_e.png)", ""])
