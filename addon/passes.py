@@ -7,21 +7,23 @@ Attribute nodes of type View Layer (`nodes.view_group`).
 import bpy
 
 from ..core import view
+from ..core.sampling import Sampling
 
 __all__ = [
     "add",
-    "drive_seed",
+    "drive",
     "is_driven_or_animated",
     "light_pass",
     "pass_layers",
     "preview_layers",
     "remove",
+    "samples_of",
     "write_view",
 ]
 
 _PASS = "relume_pass"  # on a coefficient pass: its number
 _SOURCE = "relume_source"  # on a coefficient pass: the name of the artist's layer; on that layer: its own name
-_SEED = "relume_seed"
+_DRIVEN = "relume_cycles_{}"  # on a coefficient pass: its value of a setting of Cycles that is driven
 
 
 def pass_layers(scene) -> dict[str, list]:
@@ -72,18 +74,19 @@ def _keep_only_light_passes(layer):
             setattr(layer, name, False)
 
 
-def add(scene, model, groups: list[str], *, samples: int, same_seed: bool):
+def add(scene, model, groups: list[str], sampling: Sampling):
     """Add the coefficient passes of every view layer of the artist's that is rendered; these then show the preview.
 
-    groups: light groups, in the order of the mixer. samples: of each pass, 0 for the scene's own.
+    groups: light groups, in the order of the mixer.
     """
     space = bpy.data.colorspace.working_space
     for source in [layer for layer in scene.view_layers if layer.use and _SOURCE not in layer]:
         for k in range(model.passes):
             layer = _copy_layer(scene, source, f"{source.name} {k + 1}")
             layer[_PASS], layer[_SOURCE] = k, source.name
-            layer[_SEED] = 0 if same_seed else k
-            layer.samples = samples
+            layer.samples = sampling.samples[k]
+            for name, values in sampling.driven.items():
+                layer[_DRIVEN.format(name)] = values[k]
             layer.cycles.use_denoising = False
             layer.cycles.denoising_store_passes = False
             if k:
@@ -112,19 +115,23 @@ def remove(scene):
             del layer[key]
 
 
-def drive_seed(scene):
-    """Give each coefficient pass a seed of its own: noise of the passes is then independent."""
-    base = scene.cycles.seed
-    driver = scene.driver_add("cycles.seed").driver
+def drive(scene, name: str, otherwise: int):
+    """Give each coefficient pass its own value of a setting of `scene.cycles`; other view layers have `otherwise`."""
+    driver = scene.driver_add(f"cycles.{name}").driver
     variable = driver.variables.new()
-    variable.name = "offset"
+    variable.name = "own"
     variable.type = "CONTEXT_PROP"
     target = variable.targets[0]
     target.context_property = "ACTIVE_VIEW_LAYER"
-    target.data_path = f'["{_SEED}"]'
+    target.data_path = f'["{_DRIVEN.format(name)}"]'
     target.use_fallback_value = True
-    target.fallback_value = 0.0
-    driver.expression = f"{base} + offset"
+    target.fallback_value = otherwise
+    driver.expression = "own"
+
+
+def samples_of(layer, scene) -> int:
+    """Samples per pixel that Cycles takes in a coefficient pass."""
+    return layer.get(_DRIVEN.format("sample_subset_length")) or layer.samples or scene.cycles.samples
 
 
 def is_driven_or_animated(scene, path: str) -> bool:

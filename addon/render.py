@@ -46,6 +46,8 @@ def render(scene, folder: Path, progress: Callable[[int, float], None] | None = 
         except coefficients.CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
+    for layer in layers:
+        times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
     settings = scene.relume
     return Rendered(
         CoefficientImage(

@@ -4,17 +4,16 @@ import json
 
 import bpy
 
-from ..core import grouping, plan, view
+from ..core import grouping, plan, sampling, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
 from . import compositing, content, inventory, lights, nodes, passes, properties, remarks, sockets, spectra
 
-__all__ = ["SetupError", "lighting", "relight", "remove", "set_up"]
+__all__ = ["SetupError", "lighting", "relight", "remove", "sampling_for", "set_up"]
 
 _BEFORE = "relume_before"  # what the scene's own settings were
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
-
-
+_SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
 
 
@@ -57,13 +56,12 @@ def set_up(scene, model: FactorModel | None = None):
 
 
 def _set_up(scene, model: FactorModel):
-    settings = scene.relume
     groups = _sync_light_groups(scene)
     _keep_settings(scene)
     scene[properties.MODEL] = json.dumps(model.to_dict())
     spectra.update_all(model)
     _convert_colors(scene, groups, model)
-    passes.add(scene, model, groups, samples=_samples(scene, model), same_seed=settings.same_seed)
+    passes.add(scene, model, groups, _share_samples(scene, model))
     compositing.add(scene, groups)
     _write_lighting(scene)
 
@@ -100,7 +98,7 @@ def _changed_settings(scene):
         (scene.render, "render", "use_compositing", True),
         (scene.render, "render", "compositor_precision", "FULL"),
         (scene.cycles, "cycles", "use_layer_samples", "USE"),
-        (scene.cycles, "cycles", "seed", scene.cycles.seed),
+        *((scene.cycles, "cycles", name, getattr(scene.cycles, name)) for name in ("seed", *_SUBSET)),
     ]
 
 
@@ -111,22 +109,20 @@ def _keep_settings(scene):
         for struct, owner, name, _ in _changed_settings(scene)
         if owner == "render" or struct.is_property_set(name)
     }
-    scene[_BEFORE]["drives_seed"] = not passes.is_driven_or_animated(scene, "cycles.seed")
+    scene[_BEFORE]["driven"] = ""
     scene[_BEFORE]["had_animation"] = scene.animation_data is not None
     for struct, _, name, value in _changed_settings(scene):
         setattr(struct, name, value)
-    if scene[_BEFORE]["drives_seed"]:
-        passes.drive_seed(scene)
 
 
 def _give_settings_back(scene):
     if _BEFORE not in scene:
         return
     before = scene[_BEFORE].to_dict()
-    if before["drives_seed"]:
-        scene.driver_remove("cycles.seed")
-        if not before["had_animation"]:
-            scene.animation_data_clear()
+    for name in before["driven"].split():
+        scene.driver_remove(f"cycles.{name}")
+    if before["driven"] and not before["had_animation"]:
+        scene.animation_data_clear()
     for struct, owner, name, _ in reversed(_changed_settings(scene)):
         value = before.get(f"{owner}.{name}")
         if value is None:
@@ -136,9 +132,32 @@ def _give_settings_back(scene):
     del scene[_BEFORE]
 
 
-def _samples(scene, model: FactorModel) -> int:
-    """Samples of each pass, 0 for as many as the scene has."""
-    return -(-scene.cycles.samples // model.passes) if scene.relume.split_samples else 0
+def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
+    """Choose what Cycles samples in each pass, and have the scene's settings follow the pass that is rendered."""
+    chosen = sampling_for(scene, model)
+    scene[_BEFORE]["driven"] = " ".join(chosen.driven)
+    for name in chosen.driven:
+        passes.drive(scene, name, chosen.otherwise[name])
+    if "sample_offset" in chosen.driven:
+        scene.cycles.use_sample_subset = True
+    return chosen
+
+
+def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
+    """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
+    artist's own drivers decide."""
+    settings, cycles = scene.relume, scene.cycles
+    free = {name for name in ("seed", *_SUBSET) if not passes.is_driven_or_animated(scene, f"cycles.{name}")}
+    if settings.split_samples and not settings.same_seed and free.issuperset(_SUBSET):
+        first, count = 0, cycles.samples
+        if cycles.use_sample_subset:
+            first = cycles.sample_offset
+            count = min(cycles.sample_subset_length, cycles.samples - first)
+        return sampling.dealt(sampling.shares(model, settings.lights()), first, count)
+    samples = -(-cycles.samples // model.passes) if settings.split_samples else 0
+    if settings.same_seed or "seed" not in free:
+        return sampling.same(model.passes, samples)
+    return sampling.independent(model.passes, samples, cycles.seed)
 
 
 def _convert_colors(scene, groups: list[str], model: FactorModel):

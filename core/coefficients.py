@@ -182,15 +182,13 @@ def read_render(
 
 
 def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict[str, float]]:
-    """{view layer: {"seconds", "sync_seconds", "samples"}}, of the layers for which Cycles notes them in the EXR."""
+    """{view layer: {"seconds", "sync_seconds"}}, of the layers for which Cycles notes them in the EXR."""
     _, spec, _ = next(iter(_parts(Path(path))))
     times = {}
     for layer in layers:
-        noted = {name: spec.getattribute(f"cycles.{layer}.{name}") for name in ("total_time", "synchronization_time")}
-        samples = spec.getattribute(f"cycles.{layer}.samples")
-        if all(noted.values()) and samples:
-            seconds, sync = (_seconds(noted[name]) for name in ("total_time", "synchronization_time"))
-            times[layer] = {"seconds": seconds, "sync_seconds": sync, "samples": int(samples)}
+        noted = [spec.getattribute(f"cycles.{layer}.{name}") for name in ("total_time", "synchronization_time")]
+        if all(noted):
+            times[layer] = dict(zip(("seconds", "sync_seconds"), map(_seconds, noted), strict=True))
     return times
 
 

@@ -1,11 +1,13 @@
 """Setting up, removing, and the shared state of several scenes."""
 
+import re
+
 import bpy
 import pytest
 from dump import differences, dump
 from mathutils import Color
 
-from relume.addon import passes, setup
+from relume.addon import passes, render, setup
 from relume.core import bases
 
 lamps_without_nodes = pytest.mark.xfail(
@@ -44,7 +46,65 @@ def test_undo_after_set_up_leaves_a_scene_that_can_be_removed(room):
     setup.set_up(room)
     assert [layer.name for layer in passes.pass_layers(room)["ViewLayer"]] == [f"ViewLayer {k}" for k in (1, 2, 3)]
     assert not room.view_layers["ViewLayer"].use
-    assert [layer.samples for layer in passes.pass_layers(room)["ViewLayer"]] == [2, 2, 2]
+
+
+def test_passes_render_disjoint_parts_of_one_sequence(room, tmp_path):
+    room.cycles.samples = 48
+    before = dump()["scenes/Room"]["cycles"]
+    setup.set_up(room)
+    rendered = render.render(room, tmp_path)
+    assert sum(times["samples"] for times in rendered.times.values()) == 48
+    layers = passes.pass_layers(room)["ViewLayer"]
+    ends = [0]
+    for layer in layers:
+        assert layer["relume_cycles_sample_offset"] == ends[-1] and layer.samples == 48
+        ends.append(ends[-1] + layer["relume_cycles_sample_subset_length"])
+    assert ends[-1] == 48
+    setup.remove(room)
+    assert differences(before, dump()["scenes/Room"]["cycles"]) == []
+
+
+def test_cycles_takes_the_samples_of_each_pass(room):
+    room.cycles.samples = 48
+    setup.set_up(room)
+    seen = []
+    bpy.app.handlers.render_stats.append(hear := lambda words, _: seen.append(words))
+    bpy.ops.render.render(scene=room.name)
+    bpy.app.handlers.render_stats.remove(hear)
+    counts = [passes.samples_of(layer, room) for layer in passes.pass_layers(room)["ViewLayer"]]
+    taken = [int(found[1]) for words in seen if (found := re.search(r"Sample 0/(\d+)", words or ""))]
+    assert taken == counts and len(set(counts)) > 1
+
+
+@pytest.mark.parametrize("path", ["seed", "sample_offset"])
+def test_the_artists_own_driver_stays(room, path):
+    room.driver_add(f"cycles.{path}").driver.expression = "7"
+    before = dump()
+    setup.set_up(room)
+    assert room.animation_data.drivers.find(f"cycles.{path}").driver.expression == "7"
+    setup.remove(room)
+    assert differences(before, dump()) == []
+
+
+def test_a_subset_that_the_artist_renders_is_dealt_out(room):
+    room.cycles.samples, room.cycles.use_sample_subset = 100, True
+    room.cycles.sample_offset, room.cycles.sample_subset_length = 70, 50
+    before = dump()
+    setup.set_up(room)
+    layers = passes.pass_layers(room)["ViewLayer"]
+    assert layers[0]["relume_cycles_sample_offset"] == 70
+    assert sum(passes.samples_of(layer, room) for layer in layers) == 30
+    setup.remove(room)
+    assert differences(before, dump()) == []
+
+
+def test_passes_that_are_not_shared_take_the_scenes_samples_with_seeds_of_their_own(room):
+    room.relume.split_samples = False
+    setup.set_up(room)
+    layers = passes.pass_layers(room)["ViewLayer"]
+    room.cycles.samples = 11
+    assert [passes.samples_of(layer, room) for layer in layers] == [11, 11, 11]
+    assert [layer["relume_cycles_seed"] for layer in layers] == [0, 1, 2]
 
 
 def test_changing_channels_rebuilds_the_passes(room):

@@ -1,0 +1,43 @@
+"""Samples are dealt out among passes: all of them, each once, more to the passes that are brighter."""
+
+import numpy as np
+import pytest
+
+from relume.core import bases, grouping, library, sampling, view
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7, 48, 4096])
+@pytest.mark.parametrize("parts", [[1.0], [1 / 3] * 3, [0.27, 0.38, 0.35], [0.001, 0.999], [1 / 12] * 12])
+def test_every_sample_is_taken_once(parts, count):
+    found = sampling.dealt(parts, 5, count)
+    starts, counts = found.driven["sample_offset"], found.driven["sample_subset_length"]
+    taken = [s for start, number in zip(starts, counts, strict=True) for s in range(start, start + number)]
+    total = max(count, sum(counts)) if min(counts) == 1 else count
+    assert taken == list(range(5, 5 + total))
+    assert min(counts) >= 1 and set(found.samples) == {5 + total}
+    assert total <= count + len(parts)
+    assert np.abs(np.array(counts) - np.array(parts) * count).max() <= 1
+
+
+def test_seeds_follow_each_other_and_stay_seeds():
+    assert sampling.independent(3, seed=7).driven["seed"] == (7, 8, 9)
+    assert sampling.independent(2, seed=2**31 - 1).driven["seed"] == (2**31 - 1, 0)
+    assert sampling.same(3, 16) == sampling.Sampling((16, 16, 16))
+
+
+@pytest.mark.parametrize("channels", [1, 3, 5, 6, 9, 12, 36])
+@pytest.mark.parametrize("light", ["D65", "A", "FL11", "HP1"])
+def test_shares_lower_the_variance_of_luminance(channels, light):
+    model = grouping.balanced(bases.fitted(channels))
+    lights = [view.Light(library.illuminant(light))]
+    luminance = model.relight(lights[0].illuminant)[1]
+    added = np.add.reduceat(luminance, range(0, channels, 3))
+    found = sampling.shares(model, lights)
+    assert found.sum() == pytest.approx(1)
+    assert found.min() >= 0.5 / model.passes, "no pass may become much noisier when the light is changed"
+    assert np.sum(added**2 / found) <= np.sum(added**2) * model.passes * (1 + 1e-9)
+
+
+def test_lights_that_are_off_leave_the_shares_even():
+    model = bases.fitted(9)
+    assert sampling.shares(model, [view.Light(library.illuminant("A"), 0.0)]) == pytest.approx([1 / 3] * 3)
