@@ -28,6 +28,7 @@ def room():
     scene = bpy.context.scene
     scene.render.resolution_percentage = 10
     scene.cycles.samples = 6
+    scene.relume.channels = "9"
     return scene
 
 
@@ -39,6 +40,7 @@ def startup():
     scene.render.resolution_x = scene.render.resolution_y = 32
     scene.cycles.samples = 4
     scene.cycles.use_denoising = False
+    scene.relume.channels = "9"
     principled = bpy.data.objects["Cube"].active_material.node_tree.nodes["Principled BSDF"]
     principled.inputs["Base Color"].default_value = (0.7, 0.2, 0.1, 1.0)
     bpy.data.lights["Light"].color = (1.0, 0.8, 0.5)

@@ -32,6 +32,7 @@ def test_a_scene_that_is_set_up_is_told_as_before(startup):
 
 
 def test_automatic_channels_say_why_and_follow_the_tolerance(room):
+    room.relume.channels = "auto"
     setup.set_up(room)
     few = room.relume.model().passes
     assert str(room.relume.model().channels) in room.relume.plan["reason"]
@@ -45,6 +46,7 @@ def test_automatic_channels_say_why_and_follow_the_tolerance(room):
 
 
 def test_greys_take_one_pass(startup):
+    startup.relume.channels = "auto"
     for thing in bpy.data.objects:
         for slot in thing.material_slots:
             slot.material = None

@@ -42,7 +42,6 @@ def test_setting_up_twice_is_setting_up_once(startup):
 
 
 def test_undo_after_set_up_leaves_a_scene_that_can_be_removed(room):
-    room.relume.channels = "9"
     setup.set_up(room)
     assert [layer.name for layer in passes.pass_layers(room)["ViewLayer"]] == [f"ViewLayer {k}" for k in (1, 2, 3)]
     assert not room.view_layers["ViewLayer"].use
