@@ -20,6 +20,7 @@ __all__ = ["Candidate", "Content", "Plan", "choose", "predict"]
 
 SEED = 20240607
 PIXELS = 3000
+ORDERS = 8  # reflections followed at most
 CHANNELS = (3, 6, 9, 12, 15)
 
 
@@ -179,16 +180,16 @@ class _Pixels:
         self.content = content
         shares = np.append(content.shares, content.textures)
         shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(content.shares)), 1.0)
-        orders = 1 + min(content.bounces, 5)
+        orders = 1 + min(content.bounces, ORDERS)
         # Evenly spread over the surfaces that the camera sees; light comes from any surface
         seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
         others = random.choice(len(shares), p=shares, size=(orders - 1, PIXELS))
         self.surfaces = np.concatenate([seen[None], others])
         self.texels = _linear(random.random((orders, PIXELS, 3)))
-        direct = random.uniform(0.3, 1.0, PIXELS)
-        order = np.arange(orders - 1)[:, None]
-        rest = (0.5**order / (0.5**order).sum()) * (1 - direct) if orders > 1 else np.empty((0, PIXELS))
-        self.orders = np.concatenate([direct[None], rest])
+        # What a point gathers of the light of all others: all of it in a closed room, half of it in the open
+        self.orders = random.uniform(0.5, 1.0, PIXELS) ** np.arange(orders)[:, None]
+        if orders > 1:
+            self.orders[0] = random.uniform(0.0, 1.0, PIXELS)  # lamps, which may be hidden
         self.mixture = random.dirichlet(np.ones(len(content.lights)), PIXELS)
 
     def coefficients(self, model: FactorModel) -> np.ndarray:
@@ -209,7 +210,7 @@ def _difference(model, truth, found, true, lights, mixture) -> float:
     matrices, exact = (np.array([m.relight(light) for light in lights]) for m in (model, truth))
     xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
     white = exact.sum(axis=(0, 2)) / len(lights)
-    return float(np.percentile(measure.delta_E_2000(true_xyz, xyz, white), 98))
+    return float(np.percentile(measure.picture_delta_E(xyz, true_xyz, white), 98))
 
 
 def _linear(encoded):

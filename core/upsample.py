@@ -64,17 +64,28 @@ def rgb_matrix(model, space="Linear Rec.709"):
 
 @cache
 def _rec709_matrix(model):
-    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
-
     target = rgb_to_xyz("Linear Rec.709")
     if model.channels < 3:
         return np.tile(target[1], (model.channels, 1))
-    relight = model.relight(library.illuminant("D65"))
-    values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
-    start = model.filters.T @ (values / values.sum(axis=1, keepdims=True))
-    matrix = _nearest(start, relight, target)
+    matrix = _nearest(model.coefficients(_primaries(model).T).T, model.relight(library.illuminant("D65")), target)
     matrix.setflags(write=False)
     return matrix
+
+
+def _primaries(model):
+    """Reflectances (n, 3) of red, green and blue that the model is to come near to.
+
+    Those that the reference gives its colours, so that models differ by their products alone.
+    """
+    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
+
+    from . import bases
+
+    reference = bases.bands()
+    if model is not reference and np.array_equal(model.wavelengths, reference.wavelengths):
+        return reference.reconstruct(_rec709_matrix(reference).T).T
+    values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
+    return values / values.sum(axis=1, keepdims=True)
 
 
 def _nearest(start, relight, target):

@@ -1,0 +1,166 @@
+"""Does the planner keep its word? Generated scenes rendered as planned, one pass cheaper, and as the reference.
+
+`python -m relume.benchmarks.plan_scenes [--scenes N] [--samples N] [--tolerance T] [--out DIR]`
+
+Scenes differ in materials (measured, RGB, textured, grey, metal), lamps, bounces and in what the light may be switched
+to; scene number n is always the same. All renders of a scene share their random numbers. Prints for each scene the
+planned and the measured 98th percentile of CIEDE2000, and whether one pass less would have done.
+"""
+
+import argparse
+import json
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..addon import content, render, setup, spectra
+from ..core import bases, coefficients, library, measure, plan, view
+
+_SIZE = (48, 36)
+_LAMPS = ("D65", "D50", "A", "FL2", "FL11", "LED-B1", "LED-B3", "HP1")
+_METALS = ("gold", "copper", "silver")
+_MATERIALS = ("measured", "rgb", "texture", "grey", "metal")
+
+
+def _material(kind: str, random):
+    material = bpy.data.materials.new(kind)
+    tree = material.node_tree
+    surface = tree.nodes["Material Output"].inputs["Surface"]
+    # A single closure: Cycles chooses among several by their colours, and noise would not be the same in all renders
+    shader = tree.nodes.new("ShaderNodeBsdfMetallic" if kind == "metal" else "ShaderNodeBsdfDiffuse")
+    tree.links.new(shader.outputs[0], surface)
+    shader.inputs["Roughness"].default_value = random.uniform(0.2, 1.0)
+    if kind == "measured":
+        samples = library.reflectances(random.choice(["ces", "colorchecker"]))
+        spectra.assign(
+            material, shader.inputs["Color"], spectra.new_reflectance(samples[random.integers(len(samples))])
+        )
+    elif kind == "rgb":
+        shader.inputs["Color"].default_value = (*random.random(3) ** 2.2, 1.0)
+    elif kind == "texture":
+        texture = tree.nodes.new("ShaderNodeTexVoronoi")
+        texture.inputs["Scale"].default_value = random.uniform(2, 12)
+        tree.links.new(texture.outputs["Color"], shader.inputs["Color"])
+    elif kind == "grey":
+        shader.inputs["Color"].default_value = (*[random.uniform(0.05, 0.9)] * 3, 1.0)
+    else:
+        shader.fresnel_type = "PHYSICAL_CONDUCTOR"
+        name = random.choice(_METALS)
+        group = spectra.new_conductor(name, *library.conductor(name))
+        for socket in ("IOR", "Extinction"):
+            spectra.assign(material, shader.inputs[socket], group, socket)
+    return material
+
+
+def build(number: int):
+    """Empty the file and build scene `number`; returns it."""
+    random = np.random.default_rng(6000 + number)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.world = None
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = _SIZE
+    scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
+    scene.cycles.max_bounces = int(random.choice([0, 1, 2, 4, 8]))
+    scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy = 0.0, 0.0
+    kinds = random.choice(_MATERIALS, size=random.integers(1, 4), replace=False)
+    materials = [_material(str(random.choice(kinds)), random) for _ in range(random.integers(1, 9))]
+    bpy.ops.mesh.primitive_cube_add(size=6, location=(0, 0, 3))
+    bpy.context.object.data.materials.append(materials[0])
+    for _ in range(random.integers(2, 8)):
+        add = random.choice([bpy.ops.mesh.primitive_uv_sphere_add, bpy.ops.mesh.primitive_monkey_add])
+        add(location=(random.uniform(-2, 2), random.uniform(-1, 2.5), random.uniform(0.5, 2.5)))
+        bpy.context.object.scale = [random.uniform(0.4, 1.0)] * 3
+        bpy.context.object.data.materials.append(materials[random.integers(len(materials))])
+    for number_of_lamp in range(random.integers(1, 4)):
+        lamp = bpy.data.lights.new("lamp", "AREA")
+        lamp.size, lamp.energy = random.uniform(0.5, 2.0), random.uniform(50, 200)
+        thing = bpy.data.objects.new("lamp", lamp)
+        thing.location = (random.uniform(-2, 2), random.uniform(-2, 2), 5.9)
+        thing.lightgroup = f"lamp {number_of_lamp + 1}"
+        scene.collection.objects.link(thing)
+        row = scene.relume.light_groups.add()
+        row["name"], row["illuminant"] = thing.lightgroup, str(random.choice(_LAMPS))
+    bpy.ops.object.camera_add(location=(0, -2.9, 2.6), rotation=(1.45, 0, 0))
+    scene.camera = bpy.context.object
+    scene.camera.data.lens = 22
+    scene.relume.switching = str(random.choice(["LIT", "COMMON", "ANY"], p=[0.4, 0.4, 0.2]))
+    return scene
+
+
+def _rendered(scene, model, samples: int) -> coefficients.CoefficientImage:
+    scene.cycles.samples = samples
+    scene.relume.same_seed, scene.relume.split_samples = True, False
+    scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+    setup.set_up(scene, model)
+    with tempfile.TemporaryDirectory() as folder:
+        return render.render(scene, Path(folder)).image
+
+
+def _measured(image, reference, lights, choices) -> float:
+    """98th percentile of CIEDE2000, under the worst of the lightings that the planner looked at."""
+    worst = 0.0
+    for lighting in [lights, *({group: view.Light(light) for group in lights} for light in choices)]:
+        white = view.mixed_white(list(lighting.values()), reference.model)
+        pictures = (coefficients.to_xyz(each, lighting) for each in (image, reference))
+        worst = max(worst, measure.statistics(measure.picture_delta_E(*pictures, white))["p98"])
+    return worst
+
+
+def _judge(number: int, samples: int, tolerance: float) -> dict:
+    scene = build(number)
+    told = content.content_of(scene)
+    found = plan.choose(told, tolerance)
+    reference = _rendered(scene, bases.bands(), samples)
+    lights = {row.name: row.light() for row in scene.relume.light_groups}
+    measured = _measured(_rendered(scene, found.model, samples), reference, lights, told.choices)
+    cheaper = [c for c in found.rejected if c.model.passes == found.passes - 1]
+    less = min(cheaper, key=lambda candidate: candidate.error) if cheaper else None
+    below = _measured(_rendered(scene, less.model, samples), reference, lights, told.choices) if less else None
+    return {
+        "scene": number,
+        "model": found.chosen.words,
+        "passes": found.passes,
+        "planned": found.chosen.error,
+        "measured": measured,
+        "one pass less": below,
+        "switching": scene.relume.switching,
+        "bounces": scene.cycles.max_bounces,
+        "holds": bool(measured <= tolerance),
+        "smallest": bool(below is None or below > tolerance),
+    }
+
+
+def main(argv: list[str] | None = None):
+    parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.plan_scenes", description=__doc__)
+    parser.add_argument("--scenes", type=int, default=40, help="number of scenes (40)")
+    parser.add_argument("--samples", type=int, default=64, help="per pixel, in every pass (64)")
+    parser.add_argument("--tolerance", type=float, default=1.0, help="CIEDE2000 at the 98th percentile (1)")
+    parser.add_argument("--out", type=Path, default=Path("out/plan_scenes"), metavar="DIR")
+    arguments = parser.parse_args(argv)
+
+    from .. import register
+
+    register()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    print(f"{'scene':>5}{'passes':>8}{'planned':>9}{'measured':>10}{'one less':>10}  light may change, bounces: model")
+    judged = []
+    for number in range(arguments.scenes):
+        found = _judge(number, arguments.samples, arguments.tolerance)
+        judged.append(found)
+        less = "" if found["one pass less"] is None else f"{found['one pass less']:.2f}"
+        marks = ("" if found["holds"] else "  FAILS") + ("" if found["smallest"] else "  too many")
+        print(
+            f"{number:>5}{found['passes']:>8}{found['planned']:>9.2f}{found['measured']:>10.2f}{less:>10}"
+            f"  {found['switching']}, {found['bounces']}: {found['model']}{marks}",
+            flush=True,
+        )
+    holds, smallest = (sum(found[key] for found in judged) for key in ("holds", "smallest"))
+    print(f"within the tolerance: {holds} of {len(judged)}; fewest passes that are: {smallest} of {len(judged)}")
+    (arguments.out / "plan_scenes.json").write_text(json.dumps(judged, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
