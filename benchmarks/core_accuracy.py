@@ -120,19 +120,15 @@ def scene_section(reflectances):
         rows.append([f"p = 6, {' and '.join(names)}: p99 of its own products, up to 3 bounces", f"{inside:.2f}", "0.5"])
         rows.append(["   p99 beyond the scene, times that of fitted", f"{beyond:.2f}", "told"])
     random = np.random.default_rng(0).random((200, 81))
-    for p, names in ((6, ("D65",)), (12, ("A", "FL11"))):
+    for (p, names), lobes in itertools.product(((6, ("D65",)), (12, ("A", "FL11"))), (False, True)):
         chosen = [library.illuminant(name) for name in names]
-        model = bases.scene(p, patches, chosen)
-        spectra = np.concatenate([reflectances, random])
-        largest = experiments.product_errors(model, spectra, chosen).max()
-        rows.append([f"p = {p}, {' and '.join(names)}: largest of any reflectance, 1 bounce", f"{largest:.1e}", "1e-6"])
-        rows.append(
-            [
-                "   its lowest filter value, as a part of the largest",
-                f"{model.filters.min() / model.filters.max():.4f}",
-                "told",
-            ]
-        )
+        model = bases.scene(p, patches, chosen, lobes=lobes)
+        largest = experiments.product_errors(model, np.concatenate([reflectances, random]), chosen).max()
+        what = f"p = {p}, {' and '.join(names)}{', with lobes' if lobes else ''}"
+        lowest = model.filters.min() / model.filters.max()
+        rows.append([f"{what}: largest of any reflectance, 1 bounce", f"{largest:.1e}", "1e-6"])
+        rows.append(["   its lowest filter value, as a part of the largest", f"{lowest:.3f}", "told" if lobes else "0"])
+        rows.append(["   p99 of its own products, 2 and 3 bounces", f"{p99(model, own, chosen, (2, 3)):.2f}", "told"])
     return Section("Scene models", "10 patches of the ColorChecker; CIEDE2000.", ("what", "reached", "aim"), rows)
 
 

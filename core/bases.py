@@ -186,13 +186,14 @@ def _least_area(basis, inside):
     return result.x
 
 
-def scene(channels, reflectances, illuminants, exact=None):
+def scene(channels, reflectances, illuminants, exact=None, lobes=False):
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
     exact: whether the first bounce under each of the illuminants is to be exact for every reflectance, by default where
-    there are at least 6 channels for each. Such filters have small negative lobes, mostly where the eye sees little;
-    non-negative exact ones exist (the windowed matching functions) but make the second bounce ten times worse.
-    Coefficients of the scene's own reflectances stay positive. Raises ModelError.
+    there are at least 6 channels for each. Exactness costs accuracy of further bounces, and most of all where filters
+    are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
+    further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
+    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:
@@ -203,20 +204,25 @@ def scene(channels, reflectances, illuminants, exact=None):
         raise ModelError(
             f"{channels} channels are exact for at most {channels // 3} illuminants, not {len(illuminants)}"
         )
-    from . import optimise
+    from . import optimise, training
 
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
-    filters = optimise.scene_filters(fitted(channels).filters, own, power)
+    task = optimise.Task.of(*training.with_general(own, part=4), power)
+    weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
+    filters = optimise.scene_filters(fitted(channels).filters, task, weights)
     if exact:
-        model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
-        matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
-        weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
-        filters = relight.with_exact_lights(filters, matrices, weights)
-        filters /= filters.sum(axis=0)
-    if (own @ filters).min() < 0:
+        if lobes:
+            model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+            matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
+            filters = relight.with_exact_lights(filters, matrices, weights)
+            filters /= filters.sum(axis=0)
+        else:
+            filters = optimise.exact_filters(filters, task, weights, iterations=200)
+    if filters is None or (own @ filters).min() < 0:
         raise ModelError(
-            "no filters found that are exact for these illuminants and keep the scene's coefficients positive"
+            "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
+            "try exact=False"
         )
     return FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
 

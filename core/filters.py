@@ -18,12 +18,13 @@ REFERENCE = (390, 405, 420, 435, 445, 450, 460, 465, 475, 490, 505, 510, 520, 53
 REFERENCE += (570, 575, 580, 585, 590, 595, 600, 605, 610, 615, 630, 645, 655, 675, 720)
 
 
-def start_filters(channels, random=None):
-    """Adjoining bands weighted by the colour matching functions, edges blurred -> (81, p).
+def start_filters(channels, random=None, total=None):
+    """Adjoining bands weighted by `total` (81,), edges blurred -> (81, p).
 
-    Their edges share out a power of the matching functions' sum equally; `random` (a numpy Generator) varies them.
+    Their edges share out a power of `total`, by default the sum of the matching functions, equally; `random` (a numpy
+    Generator) varies them.
     """
-    total = library.observer().sum(axis=1)
+    total = library.observer().sum(axis=1) if total is None else total
     power, blur = (1 / 3, 3.0) if random is None else (random.uniform(0.25, 1), random.uniform(1, 10))
     share = total**power * (1 if random is None else np.exp(random.normal(0, 0.15, total.size)))
     share = np.concatenate([[0], np.cumsum(share) / share.sum()])

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,12 +22,16 @@ from . import filters as filter_files
 from . import library, relight, training
 from .spectrum import WAVELENGTHS
 
-__all__ = ["Task", "main", "optimised", "scene_filters"]
+__all__ = ["Task", "exact_filters", "main", "optimised", "scene_filters"]
 
 CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
 STARTS = 24
+SCENE_WORK = 60_000_000  # iterations times products times lights times channels: some two seconds
+SCENE_ITERATIONS = 2500
+PENALTIES = (1e0, 1e2, 1e4, 1e6, 1e8)
+WIDENINGS = (0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1)
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
@@ -48,11 +53,15 @@ class Task:
         truth, metric, white = relight.targets(drawn, weights)
         return cls(reflectances, drawn, truth, metric / len(illuminants), white)
 
-    def error(self, filters):
-        """Mean squared difference of the products in units of CIEDE2000, and its gradient (n, p)."""
+    def error(self, filters, matrices=None):
+        """Mean squared difference of the products in units of CIEDE2000, by the best matrices or those given (e, 3, p).
+
+        -> error, its gradient by the filters (n, p), and by the matrices (e, 3, p), which vanishes at the best.
+        """
         factors = self.reflectances @ filters
         coefficients = self.training.coefficients(factors)
-        matrices = relight.fitted_matrices(coefficients, self.truth, self.metric, self.white)
+        if matrices is None:
+            matrices = relight.fitted_matrices(coefficients, self.truth, self.metric, self.white)
         residual = matrices @ coefficients.T - self.truth
         pull = relight.weighted(self.metric, residual)
         by_coefficient = 2 * np.einsum("exN,exp->Np", pull, matrices, optimize=True)
@@ -64,33 +73,86 @@ class Task:
             for own in range(chosen.shape[1]):
                 others = np.delete(chosen, own, axis=1)
                 np.add.at(by_factor, chosen[:, own], part * factors[others].prod(axis=1))
-        return float((pull * residual).sum()), self.reflectances.T @ by_factor
+        return float((pull * residual).sum()), self.reflectances.T @ by_factor, 2 * (pull @ coefficients)
 
 
 def optimised(filters, task, iterations):
     """Better filters (n, p) for `task`, from `filters`: non-negative, columns sum to 1 -> filters, error."""
+
+    def error(scaled):
+        filters, back = _normalised(scaled)
+        value, gradient, _ = task.error(filters)
+        return value, back(gradient)
+
+    (best,), value = _minimised(error, [filters], iterations)
+    return _normalised(best)[0], value
+
+
+def exact_filters(filters, task, weights, iterations):
+    """Non-negative filters (n, p) of which the power weights (n, 3 e) are combinations, or None where none are found.
+
+    They start from `filters` and do what they can for `task`, whose lights are those of the weights. Filters and
+    relight matrices are optimised together under a rising penalty; then every row of the filters is the non-negative
+    one nearest to it that is exact, for matrices widened by as little as makes that possible.
+    """
+    from scipy.optimize import nnls
+
+    largest, white = np.abs(weights).max(axis=0), weights.sum(axis=0)
+    matrices = np.linalg.lstsq(filters, weights, rcond=1e-12)[0].T
+
+    def error(penalty, scaled, matrices):
+        filters, back = _normalised(scaled)
+        value, gradient, by_matrix = task.error(filters, matrices.reshape(-1, 3, filters.shape[1]))
+        residual = (filters @ matrices.T - weights) / largest
+        pull = 2 * penalty * residual / largest
+        gradients = back(gradient + pull @ matrices), by_matrix.reshape(matrices.shape) + pull.T @ filters
+        return value + penalty * (residual**2).sum(), *gradients
+
+    for penalty in PENALTIES:
+        (filters, matrices), _ = _minimised(partial(error, penalty), [np.maximum(filters, 1e-7), matrices], iterations)
+        filters, _ = _normalised(filters)
+    for wider in WIDENINGS:
+        tried = matrices + wider * (matrices - white[:, None] / len(matrices[0]))
+        system = np.concatenate([1e5 * tried / largest[:, None], np.eye(len(tried[0]))])
+        peak = filters.max()
+        right = np.concatenate([1e5 * weights / largest / peak, filters / peak], axis=1)
+        rows = peak * np.stack([nnls(system, row)[0] for row in right])
+        found = rows / rows.sum(axis=0)
+        if relight.exact_matrix(found, weights) is not None:
+            return found
+    return None
+
+
+def _normalised(scaled):
+    """Filters (n, p) whose columns sum to 1, and the function that takes a gradient by them back to `scaled`."""
+    sums = np.maximum(scaled.sum(axis=0), 1e-6)  # a line search may come by a filter of zero
+    return scaled / sums, lambda gradient: (gradient - (gradient * scaled / sums).sum(axis=0)) / sums
+
+
+def _minimised(error, start, iterations):
+    """Arrays that minimise error(*arrays) -> value, *gradients; the first of them, filters, stays non-negative."""
     from scipy.optimize import minimize
 
-    shape = filters.shape
-    scale = shape[0] / shape[1]  # makes the unknowns of order one
+    # A scale that makes the unknowns of order one.
+    start = [start[0] * (start[0].shape[0] / start[0].shape[1]), *start[1:]]
+    ends = np.cumsum([array.size for array in start])[:-1]
 
-    def error(unscaled):
-        unscaled = unscaled.reshape(shape)
-        sums = unscaled.sum(axis=0)
-        value, gradient = task.error(unscaled / sums)
-        gradient = (gradient - (gradient * unscaled / sums).sum(axis=0)) / sums
-        return value, gradient.ravel()
+    def split(unknowns):
+        return [part.reshape(array.shape) for part, array in zip(np.split(unknowns, ends), start, strict=True)]
+
+    def flat(unknowns):
+        value, *gradients = error(*split(unknowns))
+        return value, np.concatenate([gradient.ravel() for gradient in gradients])
 
     result = minimize(
-        error,
-        (filters * scale).ravel(),
+        flat,
+        np.concatenate([array.ravel() for array in start]),
         jac=True,
         method="L-BFGS-B",
-        bounds=[(0, None)] * filters.size,
+        bounds=[(0, None)] * start[0].size + [(None, None)] * sum(array.size for array in start[1:]),
         options={"maxiter": iterations, "maxfun": 2 * iterations, "maxcor": 30, "ftol": 1e-10, "gtol": 1e-12},
     )
-    best = result.x.reshape(shape)
-    return best / best.sum(axis=0), float(result.fun)
+    return split(result.x), float(result.fun)
 
 
 def general_task(channels):
@@ -116,17 +178,21 @@ def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
     return filters[:, np.argsort(WAVELENGTHS @ filters)]
 
 
-def scene_filters(start, own, illuminants):
-    """Filters (81, p) for products of a scene's own reflectances (m, 81) under its illuminants (e, 81).
+def scene_filters(start, task, weights):
+    """Filters (81, p) for the `task` of a scene lit by power weights (81, 3 e).
 
-    start: filters (81, p) for the general case; two rougher starts compete with them.
+    `start`, filters for the general case, competes with bands that share out the power of the scene's own lights: where
+    those have lines, the best filters are far from any general ones.
     """
-    task = Task.of(*training.with_general(own), illuminants)
-    random = np.random.default_rng(len(own))
-    starts = [np.maximum(start, 1e-7), *(filter_files.start_filters(start.shape[1], random) for _ in range(2))]
-    tries = [optimised(filters, task, 80) for filters in starts]
-    filters, _ = optimised(min(tries, key=lambda attempt: attempt[1])[0], task, 500)
-    return filters[:, np.argsort(WAVELENGTHS @ filters)]
+    channels, power = start.shape[1], np.abs(weights).sum(axis=1)
+    random = np.random.default_rng(len(task.reflectances))
+    iterations = min(SCENE_WORK // (task.truth[:, 0].size * channels), SCENE_ITERATIONS)
+    tries = [np.maximum(start, 1e-7), *(filter_files.start_filters(channels, random, power) for _ in range(3))]
+    # All starts get a tenth of the iterations, the better two a fifth, and the best what is left.
+    for kept, share in ((4, 10), (2, 5), (1, 5)):
+        done = [optimised(filters, task, iterations // share) for filters in tries[:kept]]
+        tries = [filters for filters, _ in sorted(done, key=lambda one: one[1])]
+    return tries[0][:, np.argsort(WAVELENGTHS @ tries[0])]
 
 
 def main(argv=None):
@@ -140,9 +206,11 @@ def main(argv=None):
     parser.add_argument("--out", type=Path, default=filter_files.SHIPPED)
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes at a time")
     options = parser.parse_args(argv)
+    filters = {}
     with ProcessPoolExecutor(options.jobs) as pool:
-        filters = dict(zip(options.channels, pool.map(_made, options.channels), strict=True))
-    filter_files.write_filters(options.out, filters)
+        for channels, made in zip(options.channels, pool.map(_made, options.channels), strict=True):
+            filters[channels] = made
+            filter_files.write_filters(options.out, dict(sorted(filters.items())))
     return 0
 
 
