@@ -1,69 +1,158 @@
-"""What a spectral render costs: time and noise of nine channels over Blender's own RGB, at the same total of samples.
+"""What a spectral render costs: time and noise over Blender's own RGB, at the same total of samples.
 
-`python -m relume.benchmarks.overhead [--samples N] [--percent P] [--runs R] [--channels P ...]`
+`python -m relume.benchmarks.overhead [--samples N] [--percent P] [--runs R] [--channels P ...] [--scenes NAME ...]
+[--illuminant NAME] [--variants]`
 
-The room, as an artist would render it: every pass has its share of the samples and a seed of its own. The set-ups take
-turns, so that a busy machine slows all of them; what is printed are ratios: the median over runs for time, and for
-noise the variance of luminance over runs, as part of its square, in the median pixel and on average.
+The scenes are set up as an artist would: the passes share the samples. In RGB, lamps have the colours of their
+illuminants. The set-ups take turns, so that a busy machine slows all of them; what is printed are ratios to RGB. Time:
+median over runs. Variance of luminance over runs: in the median pixel and on average over pixels, as part of the
+pixel's own luminance squared; and in the picture, the mean variance as part of the mean luminance squared. Colour
+error: mean CIEDE2000 of a run to a long render of its own kind, as rendered and denoised. `--variants` takes away, one
+after the other, what keeps noise low.
 """
 
 import argparse
 import tempfile
 import time
+from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
+from unittest import mock
 
 import bpy
 import numpy as np
 
-from ..addon import render, setup
+from ..addon import denoise, render, setup
 from ..assets import make_room
-from ..core import bases, coefficients, upsample, view
+from ..core import bases, coefficients, grouping, measure, sampling, upsample, view
+from . import hard_scenes
 
-_SEED_STEP = 100  # the passes of one render take seeds that follow each other
+_SEED_STEP = 100  # passes with seeds of their own take those that follow each other
+_LONG_RUN = 0  # its seed
+_SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": hard_scenes.glossy_and_glass}
+# Each takes away one more: (words, module, function, what stands in for it)
+_VARIANTS = [
+    ("even shares", sampling, "shares", lambda model, lights: np.full(model.passes, 1 / model.passes)),
+    ("and seeds of their own", setup, "sampling_for", lambda scene, model: _with_seeds(scene, model)),
+    ("and channels by wavelength", grouping, "balanced", lambda model: model),
+    ("and the same seed", setup, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
+]
 
 
-def _open(samples: int, percent: int, seed: int):
-    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
+@dataclass
+class Row:
+    """A way to render, and what its runs gave: seconds, linear pictures (height, width, 3)."""
+
+    words: str
+    channels: int = 0  # 0 for Blender's own RGB
+    without: int = 0  # how many of _VARIANTS are taken away
+    seconds: list = field(default_factory=list)
+    pictures: list = field(default_factory=list)
+    long_run: np.ndarray | None = None
+
+
+def _with_seeds(scene, model) -> sampling.Sampling:
+    return sampling.independent(model.passes, -(-scene.cycles.samples // model.passes), scene.cycles.seed)
+
+
+def _with_one_seed(scene, model) -> sampling.Sampling:
+    return sampling.same(model.passes, -(-scene.cycles.samples // model.passes))
+
+
+def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[float, np.ndarray]:
+    """Seconds, and the picture (height, width, 3) in Rec.709, of the scene in a file."""
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
     scene = bpy.context.scene
-    scene.render.resolution_percentage, scene.cycles.samples = percent, samples
+    scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, samples
     scene.cycles.seed = _SEED_STEP * seed
-    return scene
+    if arguments.illuminant:
+        for light_group in scene.relume.light_groups:
+            light_group.illuminant = arguments.illuminant
+    if not row.channels:
+        _color_lamps(scene)
+        return _plain(scene, path.with_name("plain.exr"))
+    with ExitStack() as patches:
+        for _, module, name, stand_in in _VARIANTS[: row.without]:
+            patches.enter_context(mock.patch.object(module, name, stand_in))
+        setup.set_up(scene, bases.fitted(row.channels))
+    began = time.perf_counter()
+    image = render.render(scene, path.parent).image
+    seconds = time.perf_counter() - began
+    return seconds, render.picture(image, {group.name: group.light() for group in scene.relume.light_groups})
 
 
-def _plain(scene, folder: Path) -> tuple[float, np.ndarray]:
-    """Seconds, and luminance (height, width), of the scene as Blender itself renders it."""
-    path = folder / "plain.exr"
+def _color_lamps(scene):
+    """Give each lamp the colour of what shines in its light group."""
+    model, to_rgb = bases.bands(), view.xyz_to_rgb()
+    for thing in scene.objects:
+        if thing.type == "LIGHT":
+            light = scene.relume.light_groups[thing.lightgroup].light()
+            thing.data.color = np.maximum(to_rgb @ model.relight(light.illuminant).sum(axis=1), 0.0)
+
+
+def _plain(scene, path: Path) -> tuple[float, np.ndarray]:
     output = scene.render.image_settings
     output.media_type, output.file_format, output.color_depth = "IMAGE", "OPEN_EXR", "32"
     scene.render.filepath = str(path)
     began = time.perf_counter()
     bpy.ops.render.render(write_still=True)
-    seconds = time.perf_counter() - began
-    return seconds, coefficients.read_rgb(path) @ upsample.rgb_to_xyz()[1]
+    return time.perf_counter() - began, coefficients.read_rgb(path)
 
 
-def _spectral(scene, folder: Path, channels: int) -> tuple[float, np.ndarray]:
-    """The same of the scene with coefficient passes, the lights as they are."""
-    setup.set_up(scene, bases.fitted(channels))
-    began = time.perf_counter()
-    image = render.render(scene, folder).image
-    seconds = time.perf_counter() - began
-    lights = [row.light() for row in scene.relume.light_groups]
-    to_y = np.linalg.inv(view.xyz_to_rgb())[1] @ view.recombination_matrices(image.model, lights)
-    return seconds, coefficients.recombine(list(image.groups.values()), np.repeat(to_y[:, None], 3, axis=1))[..., 0]
+def _variance(row: Row) -> np.ndarray:
+    """Variance of luminance over runs: in the median pixel, on average, and of the picture; each relative."""
+    luminance = np.array(row.pictures) @ upsample.rgb_to_xyz()[1]
+    variance, mean = luminance.var(axis=0, ddof=1), luminance.mean(axis=0)
+    relative = variance / np.maximum(mean, 1e-6) ** 2
+    return np.array([np.median(relative), relative.mean(), variance.mean() / mean.mean() ** 2])
 
 
-def _noise(luminance: np.ndarray) -> np.ndarray:
-    """Variance of luminance (runs, height, width) as part of its square, (height, width)."""
-    return luminance.var(axis=0, ddof=1) / np.maximum(luminance.mean(axis=0), 1e-6) ** 2
+def _color_error(row: Row, white: np.ndarray) -> np.ndarray:
+    """Mean CIEDE2000 to the long run: as rendered, and denoised."""
+    to_xyz = upsample.rgb_to_xyz()
+    truth = row.long_run @ to_xyz.T
+    clean = [denoise.denoised(picture) for picture in row.pictures]
+    return np.array(
+        [measure.picture_delta_E(np.array(p) @ to_xyz.T, truth, white).mean() for p in (row.pictures, clean)]
+    )
+
+
+def _table(rows: list[Row], white: np.ndarray) -> list[str]:
+    plain = rows[0]
+    lines = ["| over RGB | time | variance: median pixel | mean | picture | ΔE2000 | denoised |", "|---|" + "---|" * 6]
+    for row in rows:
+        ratios = [np.median(np.array(row.seconds) / np.array(plain.seconds))]
+        ratios += [*(_variance(row) / _variance(plain)), *(_color_error(row, white) / _color_error(plain, white))]
+        lines.append(f"| {row.words} |" + "".join(f" {ratio:.2f} |" for ratio in ratios))
+    return lines
+
+
+def _measure(path: Path, arguments) -> list[Row]:
+    """All rows of one scene."""
+    rows = [Row("RGB"), *(Row(f"p = {p}", p) for p in arguments.channels)]
+    long_runs = {row.channels: _render(row, path, arguments, _LONG_RUN, arguments.long)[1] for row in rows}
+    if arguments.variants:
+        p = arguments.channels[0]
+        rows += [Row(f"p = {p}, {words}", p, n) for n, (words, *_) in enumerate(_VARIANTS, start=1)]
+    for run in range(arguments.runs):
+        for row in rows:
+            row.long_run = long_runs[row.channels]
+            seconds, picture = _render(row, path, arguments, run + 1, arguments.samples)
+            row.seconds.append(seconds)
+            row.pictures.append(picture)
+    return rows
 
 
 def main(argv: list[str] | None = None):
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.overhead", description=__doc__)
     parser.add_argument("--samples", type=int, default=48, help="per pixel, of all passes together (48)")
-    parser.add_argument("--percent", type=int, default=20, help="of the room's own resolution (20)")
+    parser.add_argument("--percent", type=int, default=20, help="of the scenes' own resolution (20)")
     parser.add_argument("--runs", type=int, default=16, help="renders of each, with seeds of their own (16)")
-    parser.add_argument("--channels", type=int, nargs="+", default=[6, 9, 12], metavar="P", help="(6 9 12)")
+    parser.add_argument("--long", type=int, default=1536, metavar="N", help="samples of the long renders (1536)")
+    parser.add_argument("--channels", type=int, nargs="+", default=[9, 6, 12], metavar="P", help="(9 6 12)")
+    parser.add_argument("--scenes", nargs="+", choices=_SCENES, default=list(_SCENES), metavar="NAME", help="(all)")
+    parser.add_argument("--illuminant", metavar="NAME", help="of every light group (the scene's own)")
+    parser.add_argument("--variants", action="store_true", help="of the first number of channels")
     arguments = parser.parse_args(argv)
     if arguments.runs < 2:
         parser.error("variance needs 2 runs or more")
@@ -71,24 +160,19 @@ def main(argv: list[str] | None = None):
     from .. import register
 
     register()
-    names = ["RGB", *(f"p = {p}" for p in arguments.channels)]
-    seconds, luminance = {name: [] for name in names}, {name: [] for name in names}
+    lines = []
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        for run in range(arguments.runs):
-            for name, channels in zip(names, [None, *arguments.channels], strict=True):
-                scene = _open(arguments.samples, arguments.percent, run + 1)
-                taken, picture = _spectral(scene, folder, channels) if channels else _plain(scene, folder)
-                seconds[name].append(taken)
-                luminance[name].append(picture)
-    height, width = luminance["RGB"][0].shape
-    print(f"\n{width} × {height} pixels, {arguments.samples} samples in all, {arguments.runs} runs; over Blender's RGB")
-    print(f"{'':<8}{'time':>8}{'variance, median pixel':>26}{'mean':>8}")
-    plain = _noise(np.array(luminance["RGB"]))
-    for name in names:
-        noise = _noise(np.array(luminance[name]))
-        ratio = np.median(np.array(seconds[name]) / np.array(seconds["RGB"]))
-        print(f"{name:<8}{ratio:>8.2f}{np.median(noise) / np.median(plain):>26.2f}{noise.mean() / plain.mean():>8.2f}")
+        for name in arguments.scenes:
+            scene, path = _SCENES[name](), Path(temporary) / f"{name}.blend"
+            size = [n * arguments.percent // 100 for n in (scene.render.resolution_x, scene.render.resolution_y)]
+            bpy.ops.wm.save_as_mainfile(filepath=str(path))
+            lines += [
+                f"\n{name}, {size[0]} × {size[1]} pixels, {arguments.samples} samples, {arguments.runs} runs:",
+                "",
+            ]
+            rows = _measure(path, arguments)
+            lines += _table(rows, view.mixed_white(bpy.context.scene.relume.lights(), bases.bands()))
+    print("\n".join(lines))
 
 
 if __name__ == "__main__":
