@@ -1,79 +1,61 @@
-"""Animated and driven values: what is animated in a data-block, and keeping an inserted input in step with it."""
+"""Animated and driven values: what is animated in a data-block, and moving the animation of one value to another.
 
-__all__ = ["can_redirect", "follow", "paths", "redirect", "unfollow"]
+A driver between two inputs of one tree would do as well, but to Blender every tree that reads itself is a circle.
+"""
 
-_FOLLOWS = "relume_follows"  # on a node: what was added to its tree for it, "drivers" or all "animation data"
+__all__ = ["is_shared", "move", "paths"]
+
+_PREFIX = "node_tree."
 
 
 def paths(tree, owner) -> frozenset[str]:
     """Data paths, seen from `tree`, of what is animated or driven in it, by itself or through its owner."""
-    found = set(_paths(tree))
+    found = {curve.data_path for curve in _curves(tree)}
     if owner != tree:
-        prefix = "node_tree."
-        found |= {path.removeprefix(prefix) for path in _paths(owner) if path.startswith(prefix)}
+        through = (curve.data_path for curve in _curves(owner))
+        found |= {path.removeprefix(_PREFIX) for path in through if path.startswith(_PREFIX)}
     return frozenset(found)
 
 
-def _paths(block):
+def _actions(block):
+    """(action, slot) of everything that animates a data-block but its drivers."""
     data = block.animation_data
     if data is None:
         return
-    for curve in data.drivers:
-        yield curve.data_path
-    for curve in _curves(data.action):
-        yield curve.data_path
+    if data.action:
+        yield data.action, data.action_slot
     for track in data.nla_tracks:
         for strip in track.strips:
-            for curve in _curves(strip.action):
-                yield curve.data_path
+            if strip.action:
+                yield strip.action, strip.action_slot
 
 
-def _curves(action):
-    if action is None:
-        return
+def _curves_of(action, slot):
     for layer in action.layers:
         for strip in layer.strips:
-            for bag in strip.channelbags:
+            bag = strip.channelbag(slot) if slot else None
+            if bag:
                 yield from bag.fcurves
 
 
-def follow(target, source, owner):
-    """Drive the value of the socket `target` by that of `source`, another socket of the same tree."""
-    tree, node = source.id_data, target.node
-    node[_FOLLOWS] = "drivers" if tree.animation_data else "animation data"
-    inside = "" if owner == tree else "node_tree."
-    for index in range(3):
-        driver = target.driver_add("default_value", index).driver
-        variable = driver.variables.new()
-        place = variable.targets[0]
-        place.id_type = "NODETREE" if owner == tree else owner.id_type
-        place.id = owner
-        place.data_path = f"{inside}{source.path_from_id('default_value')}[{index}]"
-        driver.type = "SUM"
+def _curves(block):
+    if block.animation_data:
+        yield from block.animation_data.drivers
+    for action, slot in _actions(block):
+        yield from _curves_of(action, slot)
 
 
-def unfollow(node) -> bool:
-    """Take away what `follow` added to the first input of a node; whether it had added anything."""
-    if _FOLLOWS not in node:
-        return False
-    tree = node.id_data
-    node.inputs[0].driver_remove("default_value")
-    if node[_FOLLOWS] == "animation data":
-        tree.animation_data_clear()
-    return True
+def is_shared(block, path: str) -> bool:
+    """Whether the animation of a property is that of other data-blocks too, and so cannot be moved for this one."""
+    for action, slot in _actions(block):
+        if slot and len(slot.users()) > 1 and any(curve.data_path == path for curve in _curves_of(action, slot)):
+            return True
+    return False
 
 
-def can_redirect(block, path: str) -> bool:
-    """Whether the animation of a property is the data-block's own: in no NLA strip, nor in an action of several."""
-    data = block.animation_data
-    if any(c.data_path == path for track in data.nla_tracks for s in track.strips for c in _curves(s.action)):
-        return False
-    return data.action is None or data.action.users == 1 or all(c.data_path != path for c in _curves(data.action))
-
-
-def redirect(block, before: str, after: str):
-    """Let the animation of the property `before` of a data-block act on `after` instead."""
-    data = block.animation_data
-    for curve in [*_curves(data.action), *data.drivers]:
-        if curve.data_path == before:
-            curve.data_path = after
+def move(block, before: str, after: str) -> bool:
+    """Let what animates or drives the path `before` of a data-block act on `after`; whether anything does."""
+    moved = [curve for curve in _curves(block) if curve.data_path == before]
+    for curve in moved:
+        curve.data_path = after
+    return bool(moved)

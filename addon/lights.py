@@ -19,7 +19,7 @@ from .remarks import Remark
 __all__ = ["Lamp", "Lighting", "has_emitters", "is_too_long", "light_groups_of", "restore", "take_colors"]
 
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
-_REDIRECTED = "relume_redirected"  # on a light: the path that the animation of its colour now acts on
+_MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
 _DAYLIGHT = "D65"
 
 
@@ -92,8 +92,8 @@ def _obstacle(light) -> str:
     moving = animation.paths(light, light)
     if moving & {"temperature", "use_temperature"}:
         return "its temperature is animated: its colour stays RGB"
-    if "color" in moving and not animation.can_redirect(light, "color"):
-        return "its colour is animated by an action that others use too: it stays RGB"
+    if "color" in moving and animation.is_shared(light, "color"):
+        return "its animation is that of other lamps too: its colour stays RGB"
     if light.use_nodes and not sockets.emits(light.node_tree):
         return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"
     return ""
@@ -117,9 +117,9 @@ def _take_color(light) -> Lamp:
 
 def restore(light):
     """Give a lamp back the colour that `take_colors` took."""
-    if _REDIRECTED in light:
-        animation.redirect(light, light[_REDIRECTED], "color")
-        del light[_REDIRECTED]
+    if _MOVED in light:
+        animation.move(light, light[_MOVED], "color")
+        del light[_MOVED]
     if _BEFORE not in light:
         return
     before = light[_BEFORE].to_dict()
@@ -194,10 +194,9 @@ class Lighting:
         if lamp.temperature:
             emitter = self._emitter(name, lamp.temperature)
             conversion.insert(shading, light.inputs["Spectrum"], emitter, value=lamp.glow)
-        if _REDIRECTED not in shading.owner and "color" in animation.paths(shading.owner, shading.owner):
-            path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
-            animation.redirect(shading.owner, "color", path)
-            shading.owner[_REDIRECTED] = path
+        path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
+        if animation.move(shading.owner, "color", path):
+            shading.owner[_MOVED] = path
 
 
 def _planckian(kelvin: float) -> str:

@@ -13,6 +13,8 @@ In the compositor:
 A group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
 """
 
+from contextlib import contextmanager
+
 import bpy
 import numpy as np
 
@@ -30,6 +32,7 @@ __all__ = [
     "recombination_group",
     "role",
     "take_out",
+    "unplugged",
     "upsample_group",
     "view_group",
     "write_recombination",
@@ -276,6 +279,25 @@ def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndar
         tree.links.new(chosen, output.inputs[name])
 
 
+@contextmanager
+def unplugged(tree):
+    """While it lasts, the output of a material, world or light gets nothing, so that changes to its nodes are quick.
+
+    Blender looks at all trees of the file whenever the output of one changes: with 2,000 materials that is what
+    setting up would spend its time on.
+    """
+    outputs = [node for node in tree.nodes if node.type in {"OUTPUT_MATERIAL", "OUTPUT_WORLD", "OUTPUT_LIGHT"}]
+    links = [socket.links[0] for node in outputs for socket in node.inputs if socket.is_linked]
+    ends = [(link.from_socket, link.to_socket, link.is_muted) for link in links]
+    for link in links:
+        tree.links.remove(link)
+    try:
+        yield
+    finally:
+        for source, target, muted in ends:
+            tree.links.new(source, target).is_muted = muted
+
+
 def insert(tree, socket, link, group, value=None):
     """Put a node of `group` in front of `socket`; it takes over the socket's link or value. Returns the node.
 
@@ -296,22 +318,18 @@ def insert(tree, socket, link, group, value=None):
     if value is not None:
         node[_KEPT] = True
     if link is not None:
-        # Before the node leads anywhere: Blender updates all users of a tree when its output changes
         tree.links.new(link.from_socket, own).is_muted = link.is_muted
     tree.links.new(node.outputs[0], socket)
     return node
 
 
-def take_out(tree, node, driven: bool = False):
-    """Undo `insert`: what fed the node feeds its users again; otherwise they get its value, edited or not.
-
-    driven: the value follows that of its users, which have it already.
-    """
+def take_out(tree, node):
+    """Undo `insert`: what fed the node feeds its users again; otherwise they get its value, edited or not."""
     own, link = node.inputs[0], None
     if own.is_linked:
         link = own.links[0]
     targets = [out.to_socket for out in node.outputs[0].links]
-    if not driven and _KEPT not in node:
+    if _KEPT not in node:
         for target in targets:
             value = own.default_value[: len(target.default_value)]
             if tuple(target.default_value[: len(value)]) != tuple(value):

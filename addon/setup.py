@@ -236,12 +236,12 @@ def remove(scene):
     others = [other for other in bpy.data.scenes if other.relume.is_set_up]
     kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
     kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
-    for tree in sockets.all_trees():
-        if tree not in kept_trees:
-            sockets.restore(tree)
     for light in lights.local_lights():
         if light not in kept_lights:
             lights.restore(light)
+    for tree, owner in sockets.all_trees():
+        if tree not in kept_trees:
+            sockets.restore(tree, owner)
     if not others:
         spectra.restore_all()
     nodes.clear_orphans()

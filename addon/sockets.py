@@ -5,6 +5,7 @@ it is mixed with are upsampled before the mix.
 """
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -31,7 +32,9 @@ __all__ = [
 # Nodes that a spectrum passes through channel by channel, and those that make another colour of it
 _THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
+_ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
+_SHARED = "its animation is that of other materials too: the colour stays RGB"
 _OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colours stay RGB"
 
 
@@ -113,6 +116,8 @@ class Conversion:
     shadings: list[Shading]
     channels: int
     has_spectra: bool
+    until_done: ExitStack
+    unplugged: set = field(default_factory=set)
     remarks: list[Remark] = field(default_factory=list)
     incoming: dict = field(default_factory=dict)
     animated: dict = field(default_factory=dict)
@@ -128,6 +133,13 @@ class Conversion:
         if shading.tree not in self.animated:
             self.animated[shading.tree] = animation.paths(shading.tree, shading.owner)
         return self.animated[shading.tree]
+
+    def is_held(self, shading: Shading, socket) -> bool:
+        """Whether the value of a socket is animated in a way that cannot be moved to another."""
+        if not is_animated(socket, self.animated_in(shading)):
+            return False
+        path = socket.path_from_id("default_value")
+        return animation.is_shared(shading.tree, path) or animation.is_shared(shading.owner, f"node_tree.{path}")
 
     def feeds(self, shading: Shading, socket):
         """(shading, socket) of what a colour passes on its way into `socket`; None where it starts there."""
@@ -200,11 +212,23 @@ class Conversion:
         return red == green == blue
 
     def insert(self, shading: Shading, socket, group, value=None):
+        if shading.owner != shading.tree and shading.tree not in self.unplugged:
+            self.unplugged.add(shading.tree)
+            self.until_done.enter_context(nodes.unplugged(shading.tree))
         node = nodes.insert(shading.tree, socket, self.source(shading, socket), group, value)
+        self.incoming[shading.tree][socket] = node.outputs[0].links[0]
         if is_animated(socket, self.animated_in(shading)):
-            animation.follow(node.inputs[0], socket, shading.owner)
-        self.incoming[shading.tree] |= {socket: node.outputs[0].links[0]}
+            self.move_animation(shading, socket.path_from_id("default_value"), node)
         return node
+
+    def move_animation(self, shading: Shading, path: str, node):
+        """Let the animation of a value act on the inserted node, which now holds it."""
+        after = node.inputs[0].path_from_id("default_value")
+        node[_ANIMATED] = path
+        animation.move(shading.tree, path, after)
+        if shading.owner != shading.tree:
+            animation.move(shading.owner, f"node_tree.{path}", f"node_tree.{after}")
+        self.animated[shading.tree] = self.animated[shading.tree] - {path} | {after}
 
 
 def convert(
@@ -216,43 +240,58 @@ def convert(
     nothing more.
     """
     has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
-    conversion = Conversion(shadings, channels, has_spectra)
-    for shading in shadings:
-        has_output = shading.owner == shading.tree
-        for node in list(shading.tree.nodes):
-            has_output |= getattr(node, "is_active_output", False)
-            conversion.remarks += [Remark(shading.words, node.name, why) for why in reasons(node)]
-            for socket in spectral_sockets(node):
-                link = conversion.source(shading, socket)
-                if link is not None and nodes.role(link.from_node) in nodes.INSERTED:
-                    continue
-                if not in_use(socket, conversion.animated_in(shading)):
-                    continue
-                if kind_of(socket) is Kind.EMISSION:
-                    light(conversion, shading, socket)
-                else:
-                    conversion.upsample(shading, socket, set())
-            if _is_closed(node):
-                for socket in [s for s in node.inputs if s.type == "RGBA"]:
-                    conversion.upsample(shading, socket, set())
-        if not has_output:
-            conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
+    with ExitStack() as stack:
+        conversion = Conversion(shadings, channels, has_spectra, stack)
+        for shading in shadings:
+            _convert_tree(conversion, shading, light)
     return conversion.remarks
 
 
-def restore(tree):
-    """Take out of a node tree what `convert` put in."""
-    for node in [node for node in tree.nodes if nodes.role(node) in nodes.INSERTED]:
-        driven = animation.unfollow(node)
-        nodes.take_out(tree, node, driven)
+def _convert_tree(conversion: Conversion, shading: Shading, light):
+    has_output = shading.owner == shading.tree
+    for node in list(shading.tree.nodes):
+        has_output |= getattr(node, "is_active_output", False)
+        conversion.remarks += [Remark(shading.words, node.name, why) for why in reasons(node)]
+        for socket in spectral_sockets(node):
+            link = conversion.source(shading, socket)
+            if link is not None and nodes.role(link.from_node) in nodes.INSERTED:
+                continue
+            if not in_use(socket, conversion.animated_in(shading)):
+                continue
+            if conversion.is_held(shading, socket):
+                conversion.remarks.append(Remark(shading.words, node.name, _SHARED))
+            elif kind_of(socket) is Kind.EMISSION:
+                light(conversion, shading, socket)
+            else:
+                conversion.upsample(shading, socket, set())
+        if _is_closed(node):
+            for socket in [s for s in node.inputs if s.type == "RGBA"]:
+                conversion.upsample(shading, socket, set())
+    if not has_output:
+        conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
+
+
+def restore(tree, owner):
+    """Take out of a node tree what `convert` put in. owner: as of a `Shading`."""
+    inserted = [node for node in tree.nodes if nodes.role(node) in nodes.INSERTED]
+    if not inserted:
+        return
+    with nodes.unplugged(tree):
+        for node in inserted:
+            if _ANIMATED in node:
+                after = node.inputs[0].path_from_id("default_value")
+                animation.move(tree, after, node[_ANIMATED])
+                if owner != tree:
+                    animation.move(owner, f"node_tree.{after}", f"node_tree.{node[_ANIMATED]}")
+            nodes.take_out(tree, node)
 
 
 def all_trees():
-    """Every local node tree of the file that may hold a converted socket."""
+    """Every local node tree of the file that may hold a converted socket, and its owner."""
     for collection in (bpy.data.materials, bpy.data.worlds, bpy.data.lights):
         for owner in collection:
             if owner.node_tree and owner.library is None:
-                yield owner.node_tree
+                yield owner.node_tree, owner
     for tree in bpy.data.node_groups:
         if tree.bl_idname == "ShaderNodeTree" and tree.library is None and not tree.get(nodes.ROLE):
-            yield tree
+            yield tree, tree

@@ -5,7 +5,7 @@ import pytest
 from dump import differences, dump
 
 from relume.addon import animation, closures, nodes, passes, remarks, render, setup, sockets, spectra
-from relume.core import library
+from relume.core import bases, library
 from relume.core.spectrum import Spectrum
 
 CLOSURES = sorted(closures.SPECTRAL)
@@ -188,7 +188,7 @@ def test_animation_of_a_colour_goes_on(startup, through_owner):
             base.default_value = color
             material.node_tree.keyframe_insert(path, frame=frame)
     if through_owner:
-        animation.redirect(material, "diffuse_color", f"node_tree.{path}")
+        animation.move(material, "diffuse_color", f"node_tree.{path}")
     startup.frame_set(1)
     before = dump()
     setup.set_up(startup)
@@ -224,7 +224,7 @@ def test_a_lamp_of_one_temperature_is_a_planckian_illuminant(startup):
     light.color, light.use_temperature, light.temperature = (1.0, 1.0, 1.0), True, 3200.0
     startup.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
     before = dump()
-    setup.set_up(startup)
+    setup.set_up(startup, bases.fitted(9))
     assert [row.illuminant for row in startup.relume.light_groups] == ["Planckian 3200 K"]
     emitter = next(tree for tree in bpy.data.node_groups if tree.get(nodes.ROLE) == "emitter")
     weights = [n.inputs[1].default_value[0] for n in emitter.nodes if n.type == "VECT_MATH"]
@@ -326,7 +326,7 @@ def test_names_of_64_characters(startup):
     bpy.data.objects["Light"].lightgroup = "g" * 60
     startup.view_layers[0].lightgroups.add(name="g" * 60)
     before = dump()
-    setup.set_up(startup)
+    setup.set_up(startup, bases.fitted(9))
     layers = [layer for copies in passes.pass_layers(startup).values() for layer in copies]
     assert len(layers) == 3 and len({layer.name for layer in layers}) == 3
     setup.remove(startup)
@@ -339,7 +339,7 @@ def test_a_spectrum_of_one_sample_is_flat(startup):
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = spectra.new_reflectance(Spectrum([550.0], [0.3], "one sample"))
     tree.links.new(node.outputs[0], diffuse.inputs["Color"])
-    setup.set_up(startup)
+    setup.set_up(startup, bases.fitted(9))
     weights = [n.inputs[1].default_value[0] for n in node.node_tree.nodes if n.type == "VECT_MATH"]
     assert weights == pytest.approx([0.3] * 9)
 
