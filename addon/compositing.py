@@ -107,13 +107,17 @@ def remove(scene):
     if tree is None:
         return
     for recombination in _recombinations(scene):
+        if not recombination.inputs["Alpha"].is_linked:
+            continue  # the artist deleted the Render Layers node
         first = recombination.inputs["Alpha"].links[0].from_node
         for user in _users(recombination.outputs["Image"]):
             tree.links.new(first.outputs["Image"], user)
     for node in [node for node in tree.nodes if _ADDED in node]:
         tree.nodes.remove(node)
+    names = passes.source_names(scene)
     for node in [node for node in tree.nodes if _SOURCE in node]:
-        node.layer = node[_SOURCE]
+        if node[_SOURCE] in names:
+            node.layer = names[node[_SOURCE]]
         del node[_SOURCE]
     if tree.get(nodes.ROLE) == "compositing":
         scene.compositing_node_group = None

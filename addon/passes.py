@@ -18,6 +18,7 @@ __all__ = [
     "preview_layers",
     "remove",
     "samples_of",
+    "source_names",
     "write_view",
 ]
 
@@ -57,15 +58,27 @@ def _same(stored, value) -> bool:
 
 def _copy_layer(scene, source, name: str):
     before = set(scene.view_layers)
-    window = bpy.context.window
-    shown = window.view_layer if window else None
+    window, used = bpy.context.window, {layer: layer.use for layer in before}
+    # Blender copies the layer that the window shows, and without a window the first that is rendered
+    if window:
+        shown = window.scene, window.view_layer
+        window.scene, window.view_layer = scene, source
+    for layer in before:
+        layer.use = layer == source
     with bpy.context.temp_override(scene=scene, view_layer=source):
         bpy.ops.scene.view_layer_add(type="COPY")
     if window:
-        window.view_layer = shown
+        window.scene, window.view_layer = shown
+    for layer, use in used.items():
+        layer.use = use
     layer = next(layer for layer in scene.view_layers if layer not in before)
     layer.name = name
     return layer
+
+
+def source_names(scene) -> dict[str, str]:
+    """{name that one of the artist's view layers had at set-up: the name it has now}."""
+    return {layer[_SOURCE]: layer.name for layer in preview_layers(scene)}
 
 
 def _keep_only_light_passes(layer):
@@ -108,6 +121,8 @@ def remove(scene):
     """Take away the coefficient passes and what the artist's view layers carried."""
     for layers in pass_layers(scene).values():
         for layer in layers:
+            # Blender would go on counting the layer as a user of them
+            layer.material_override = layer.world_override = None
             scene.view_layers.remove(layer)
     for layer in preview_layers(scene):
         layer.use = True

@@ -1,4 +1,6 @@
-"""How long setting up and removing take, and how that grows: `python -m relume.benchmarks.conversion [--materials N ...]`
+"""How long setting up and removing take, and how that grows.
+
+`python -m relume.benchmarks.conversion [--materials N ...]`
 
 Scenes are generated: every material has 25 nodes with an image texture behind a mix, a colour ramp, an emission and a
 shared node group; a tenth are animated. What is timed is what the two buttons do, the factor model made beforehand as
