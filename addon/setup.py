@@ -15,6 +15,7 @@ _BEFORE = "relume_before"  # what the scene's own settings were
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 _SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
+_ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
 
 
 class SetupError(RuntimeError):
@@ -98,7 +99,7 @@ def _changed_settings(scene):
         (scene.render, "render", "use_compositing", True),
         (scene.render, "render", "compositor_precision", "FULL"),
         (scene.cycles, "cycles", "use_layer_samples", "USE"),
-        *((scene.cycles, "cycles", name, getattr(scene.cycles, name)) for name in ("seed", *_SUBSET)),
+        *((scene.cycles, "cycles", name, getattr(scene.cycles, name)) for name in ("seed", *_SUBSET, *_ADAPTIVE)),
     ]
 
 
@@ -140,6 +141,10 @@ def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
         passes.drive(scene, name, chosen.otherwise[name])
     if "sample_offset" in chosen.driven:
         scene.cycles.use_sample_subset = True
+    if scene.relume.split_samples:
+        own = (getattr(scene.cycles, name) for name in (*_ADAPTIVE, "samples"))
+        for name, value in zip(_ADAPTIVE, sampling.adaptive(*own, model.passes), strict=True):
+            setattr(scene.cycles, name, value)
     return chosen
 
 

@@ -180,3 +180,15 @@ def test_an_unknown_illuminant_changes_nothing_and_is_told(room):
     room.relume.light_groups["tungsten"].illuminant = "FL11"
     assert room.relume.problem == ""
     assert list(room.view_layers["ViewLayer"]["relume_w0"]) != shown
+
+
+def test_passes_stop_at_more_noise_than_the_picture_may_have(room):
+    room.cycles.use_adaptive_sampling, room.cycles.adaptive_threshold = True, 0.01
+    before = dump()
+    setup.set_up(room)
+    assert room.cycles.adaptive_threshold == pytest.approx(0.01 * 3**0.75)
+    setup.remove(room)
+    assert differences(before, dump()) == []
+    room.relume.split_samples = False
+    setup.set_up(room)
+    assert room.cycles.adaptive_threshold == pytest.approx(0.01), "where each pass takes all samples"

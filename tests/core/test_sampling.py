@@ -41,3 +41,11 @@ def test_shares_lower_the_variance_of_luminance(channels, light):
 def test_lights_that_are_off_leave_the_shares_even():
     model = bases.fitted(9)
     assert sampling.shares(model, [view.Light(library.illuminant("A"), 0.0)]) == pytest.approx([1 / 3] * 3)
+
+
+def test_passes_may_be_noisier_than_what_they_add_up_to():
+    assert sampling.adaptive(0.01, 0, 4096, 1) == (0.01, 0)
+    threshold, minimum = sampling.adaptive(0.01, 0, 4096, 3)
+    assert 0.01 * 3**0.5 < threshold < 0.01 * 3 and minimum == 22  # a third of the 64 that Cycles chooses for 0.01
+    assert sampling.adaptive(0.0, 90, 500, 3) == (pytest.approx(0.002 * 3**0.75), 30)
+    assert sampling.adaptive(0.9, 3, 64, 12) == (1.0, 4), "Cycles takes thresholds up to 1"
