@@ -1,7 +1,7 @@
-"""What a spectral render costs: time and noise over Blender's own RGB, at the same total of samples.
+"""What a spectral render costs: time and noise over Blender's own RGB, at the same total of samples or noise threshold.
 
 `python -m relume.benchmarks.overhead [--samples N] [--percent P] [--runs R] [--channels P ...] [--scenes NAME ...]
-[--illuminant NAME] [--variants]`
+[--illuminant NAME] [--threshold NOISE] [--variants]`
 
 The scenes are set up as an artist would: the passes share the samples. In RGB, lamps have the colours of their
 illuminants. The set-ups take turns, so that a busy machine slows all of them; what is printed are ratios to RGB. Time:
@@ -30,13 +30,14 @@ from . import hard_scenes
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
 _LONG_RUN = 0  # its seed
 _SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": hard_scenes.glossy_and_glass}
-# Each takes away one more: (words, module, function, what stands in for it)
+# Each takes away one more: (words, module, function, what stands in for it); with a noise threshold, only the other
 _VARIANTS = [
     ("even shares", sampling, "shares", lambda model, lights: np.full(model.passes, 1 / model.passes)),
     ("and seeds of their own", setup, "sampling_for", lambda scene, model: _with_seeds(scene, model)),
     ("and channels by wavelength", grouping, "balanced", lambda model: model),
     ("and the same seed", setup, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
 ]
+_THRESHOLD = [("one threshold for all", sampling, "adaptive", lambda threshold, minimum, *_: (threshold, minimum))]
 
 
 @dataclass
@@ -45,7 +46,7 @@ class Row:
 
     words: str
     channels: int = 0  # 0 for Blender's own RGB
-    without: int = 0  # how many of _VARIANTS are taken away
+    without: list = field(default_factory=list)  # what is taken away
     seconds: list = field(default_factory=list)
     pictures: list = field(default_factory=list)
     long_run: np.ndarray | None = None
@@ -65,6 +66,8 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, samples
     scene.cycles.seed = _SEED_STEP * seed
+    if arguments.threshold and seed != _LONG_RUN:
+        scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, arguments.threshold
     if arguments.illuminant:
         for light_group in scene.relume.light_groups:
             light_group.illuminant = arguments.illuminant
@@ -72,7 +75,7 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
         _color_lamps(scene)
         return _plain(scene, path.with_name("plain.exr"))
     with ExitStack() as patches:
-        for _, module, name, stand_in in _VARIANTS[: row.without]:
+        for _, module, name, stand_in in row.without:
             patches.enter_context(mock.patch.object(module, name, stand_in))
         setup.set_up(scene, bases.fitted(row.channels))
     began = time.perf_counter()
@@ -133,7 +136,8 @@ def _measure(path: Path, arguments) -> list[Row]:
     long_runs = {row.channels: _render(row, path, arguments, _LONG_RUN, arguments.long)[1] for row in rows}
     if arguments.variants:
         p = arguments.channels[0]
-        rows += [Row(f"p = {p}, {words}", p, n) for n, (words, *_) in enumerate(_VARIANTS, start=1)]
+        variants = _THRESHOLD if arguments.threshold else _VARIANTS
+        rows += [Row(f"p = {p}, {words}", p, variants[: n + 1]) for n, (words, *_) in enumerate(variants)]
     for run in range(arguments.runs):
         for row in rows:
             row.long_run = long_runs[row.channels]
@@ -152,6 +156,7 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--channels", type=int, nargs="+", default=[9, 6, 12], metavar="P", help="(9 6 12)")
     parser.add_argument("--scenes", nargs="+", choices=_SCENES, default=list(_SCENES), metavar="NAME", help="(all)")
     parser.add_argument("--illuminant", metavar="NAME", help="of every light group (the scene's own)")
+    parser.add_argument("--threshold", type=float, metavar="NOISE", help="of adaptive sampling, up to --samples (off)")
     parser.add_argument("--variants", action="store_true", help="of the first number of channels")
     arguments = parser.parse_args(argv)
     if arguments.runs < 2:
@@ -160,19 +165,15 @@ def main(argv: list[str] | None = None):
     from .. import register
 
     register()
-    lines = []
     with tempfile.TemporaryDirectory() as temporary:
         for name in arguments.scenes:
             scene, path = _SCENES[name](), Path(temporary) / f"{name}.blend"
             size = [n * arguments.percent // 100 for n in (scene.render.resolution_x, scene.render.resolution_y)]
             bpy.ops.wm.save_as_mainfile(filepath=str(path))
-            lines += [
-                f"\n{name}, {size[0]} × {size[1]} pixels, {arguments.samples} samples, {arguments.runs} runs:",
-                "",
-            ]
             rows = _measure(path, arguments)
-            lines += _table(rows, view.mixed_white(bpy.context.scene.relume.lights(), bases.bands()))
-    print("\n".join(lines))
+            white = view.mixed_white(bpy.context.scene.relume.lights(), bases.bands())
+            print(f"\n{name}, {size[0]} × {size[1]} pixels, {arguments.samples} samples, {arguments.runs} runs:\n")
+            print("\n".join([*_table(rows, white), ""]), flush=True)
 
 
 if __name__ == "__main__":
