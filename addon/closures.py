@@ -9,6 +9,8 @@ from enum import StrEnum
 
 import bpy
 
+from . import nodes
+
 __all__ = [
     "CANNOT",
     "NOT_SPECTRAL",
@@ -157,6 +159,8 @@ def kind_of(socket) -> Kind | None:
     Colours of shaders that this version does not know count as colours.
     """
     node = socket.node
+    if nodes.role(node) == "glass":
+        return Kind.COLOR if socket.identifier == node.inputs["Color"].identifier else None
     known = SPECTRAL.get(node.bl_idname)
     if known is not None and (socket.identifier in known or socket.identifier in CANNOT):
         return known.get(socket.identifier)
@@ -167,7 +171,7 @@ def kind_of(socket) -> Kind | None:
 
 def spectral_sockets(node) -> list:
     """The spectral inputs of a shader node in the mode that it is in; none for a node that is no closure."""
-    if node.bl_idname not in SPECTRAL and not _is_unknown_shader(node):
+    if node.bl_idname not in SPECTRAL and not _is_unknown_shader(node) and nodes.role(node) != "glass":
         return []
     return [s for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable and kind_of(s)]
 

@@ -3,6 +3,7 @@
 In shaders:
 - *View* reads the matrix of the view layer being rendered (see `passes`);
 - a *spectrum* group holds p coefficients and gives the colour `W @ c`, or a plain RGB colour where there is no W;
+- a *glass* group refracts each channel by its own index (see `glass`);
 - *Upsample* does the same for an RGB input, or a vector that holds one number for each of red, green and blue;
 - *Light* upsamples the colour of a lamp and colours it as its light group;
 - an *emitter* is a lamp's own spectrum, relative to that of its light group, in place of an RGB colour.
@@ -21,13 +22,19 @@ import numpy as np
 __all__ = [
     "INSERTED",
     "ROLE",
+    "add",
+    "add_socket",
+    "add_view",
+    "choose",
     "clear_orphans",
     "emitter_group",
     "fill_spectrum",
     "fill_spectrum_plain",
     "insert",
     "light_group",
+    "mixed",
     "new_spectrum",
+    "new_tree",
     "plain_of",
     "recombination_group",
     "role",
@@ -35,6 +42,7 @@ __all__ = [
     "unplugged",
     "upsample_group",
     "view_group",
+    "weighed",
     "write_recombination",
 ]
 
@@ -50,7 +58,8 @@ def role(node) -> str:
     return tree.get(ROLE, "") if tree is not None else ""
 
 
-def _new_tree(name: str, kind: str, role_name: str):
+def new_tree(name: str, kind: str, role_name: str):
+    """An empty node tree of a kind that says which role it has."""
     tree = bpy.data.node_groups.new(name, kind)
     tree[ROLE] = role_name
     return tree
@@ -61,12 +70,13 @@ def _shared_tree(name: str, role_name: str):
     for tree in bpy.data.node_groups:
         if tree.get(ROLE) == role_name and tree.get("relume_name") == name and tree.library is None:
             return tree, False
-    tree = _new_tree(name, "ShaderNodeTree", role_name)
+    tree = new_tree(name, "ShaderNodeTree", role_name)
     tree["relume_name"] = name
     return tree, True
 
 
-def _add(tree, kind: str, column: int, row: int = 0, **settings):
+def add(tree, kind: str, column: int, row: int = 0, **settings):
+    """A new node in a column and a row of a tree, with those of its properties set."""
     node = tree.nodes.new(kind)
     node.location = (column * _STEP, -row * _STEP)
     for key, value in settings.items():
@@ -74,7 +84,8 @@ def _add(tree, kind: str, column: int, row: int = 0, **settings):
     return node
 
 
-def _socket(tree, name: str, kind: str, *, output: bool, default=None):
+def add_socket(tree, name: str, kind: str, *, output: bool, default=None):
+    """A new input or output of a node group."""
     socket = tree.interface.new_socket(name, in_out="OUTPUT" if output else "INPUT", socket_type=f"NodeSocket{kind}")
     if default is not None:
         socket.default_value = default
@@ -83,7 +94,7 @@ def _socket(tree, name: str, kind: str, *, output: bool, default=None):
 
 def _multiply_add(tree, column: int, row: int, vector, scalar, addend):
     """A node for vector · scalar + addend; each operand is a socket to link, or a number."""
-    node = _add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY_ADD")
+    node = add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY_ADD")
     for socket, operand in zip(node.inputs, (vector, scalar, addend), strict=False):
         if isinstance(operand, bpy.types.NodeSocket):
             tree.links.new(operand, socket)
@@ -92,11 +103,11 @@ def _multiply_add(tree, column: int, row: int, vector, scalar, addend):
     return node.outputs[0]
 
 
-def _choose(tree, column: int, on, plain, spectral):
-    """A colour: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
-    mix = _add(tree, "ShaderNodeMix", column, data_type="RGBA")
+def choose(tree, column: int, on, plain, spectral):
+    """The socket of a colour: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
+    mix = add(tree, "ShaderNodeMix", column, data_type="RGBA")
     tree.links.new(on, mix.inputs["Factor"])
-    a, b = _mixed(mix, "A"), _mixed(mix, "B")
+    a, b = mixed(mix, "A"), mixed(mix, "B")
     if isinstance(plain, bpy.types.NodeSocket):
         tree.links.new(plain, a)
     else:
@@ -113,17 +124,18 @@ def view_group(channels: int):
     tree["relume_channels"] = channels
     tree.nodes.clear()
     tree.interface.clear()
-    output = _add(tree, "NodeGroupOutput", 2)
+    output = add(tree, "NodeGroupOutput", 2)
     names = ["relume_on", *(f"relume_b{i}" for i in range(3)), *(f"relume_w{i}" for i in range(channels))]
     for row, name in enumerate(names):
-        _socket(tree, name.removeprefix("relume_").upper(), "Vector" if row else "Float", output=True)
-        attribute = _add(tree, "ShaderNodeAttribute", 0, row, attribute_type="VIEW_LAYER", attribute_name=name)
+        add_socket(tree, name.removeprefix("relume_").upper(), "Vector" if row else "Float", output=True)
+        attribute = add(tree, "ShaderNodeAttribute", 0, row, attribute_type="VIEW_LAYER", attribute_name=name)
         tree.links.new(attribute.outputs["Vector" if row else "Factor"], output.inputs[row])
     return tree
 
 
-def _add_view(tree, channels: int):
-    return _add(tree, "ShaderNodeGroup", 0, node_tree=view_group(channels), label="View")
+def add_view(tree, channels: int):
+    """A node of the *View* group."""
+    return add(tree, "ShaderNodeGroup", 0, node_tree=view_group(channels), label="View")
 
 
 def upsample_group(channels: int, vector: bool = False):
@@ -132,23 +144,23 @@ def upsample_group(channels: int, vector: bool = False):
     if not new:
         return tree
     name = kind = "Vector" if vector else "Color"
-    _socket(tree, name, kind, output=False, default=(1.0, 1.0, 1.0) if vector else (0.8, 0.8, 0.8, 1.0))
-    _socket(tree, name, kind, output=True)
-    source = _add(tree, "NodeGroupInput", 0, 1)
-    view = _add_view(tree, channels)
+    add_socket(tree, name, kind, output=False, default=(1.0, 1.0, 1.0) if vector else (0.8, 0.8, 0.8, 1.0))
+    add_socket(tree, name, kind, output=True)
+    source = add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
     upsampled = _upsampled(tree, view, source.outputs[name], 2)
     if vector:
-        bound = _add(tree, "ShaderNodeVectorMath", 4, 1, operation="MAXIMUM")
+        bound = add(tree, "ShaderNodeVectorMath", 4, 1, operation="MAXIMUM")
         tree.links.new(upsampled, bound.inputs[0])
         upsampled = bound.outputs[0]
-    chosen = _choose(tree, 5, view.outputs["ON"], source.outputs[name], upsampled)
-    output = _add(tree, "NodeGroupOutput", 6)
+    chosen = choose(tree, 5, view.outputs["ON"], source.outputs[name], upsampled)
+    output = add(tree, "NodeGroupOutput", 6)
     tree.links.new(chosen, output.inputs[name])
     return tree
 
 
 def _upsampled(tree, view, color, column: int):
-    separate = _add(tree, "ShaderNodeSeparateColor", column - 1, 1)
+    separate = add(tree, "ShaderNodeSeparateColor", column - 1, 1)
     tree.links.new(color, separate.inputs[0])
     total = None
     for i in range(3):
@@ -165,27 +177,27 @@ def light_group(index: int, channels: int, spectral: bool = False):
     if not new:
         return tree
     for name in ("Color", "Tint", "Spectrum"):
-        _socket(tree, name, "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
-    _socket(tree, "Color", "Color", output=True)
-    source = _add(tree, "NodeGroupInput", 0, 1)
-    view = _add_view(tree, channels)
+        add_socket(tree, name, "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    add_socket(tree, "Color", "Color", output=True)
+    source = add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
     filtered = _product(tree, 1, 2, source.outputs["Color"], source.outputs["Tint"])
     if spectral:
         tint = _upsampled(tree, view, source.outputs["Tint"], 2)
         colored = _product(tree, 5, 3, source.outputs["Color"], tint)
     else:
         colored = _upsampled(tree, view, filtered, 2)
-    color = _add(tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}")
+    color = add(tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}")
     lit = _product(tree, 5, 1, colored, color.outputs["Vector"])
     plain, spectrally = (_product(tree, 6, 1 + k, v, source.outputs["Spectrum"]) for k, v in enumerate((filtered, lit)))
-    chosen = _choose(tree, 7, view.outputs["ON"], plain, spectrally)
-    output = _add(tree, "NodeGroupOutput", 8)
+    chosen = choose(tree, 7, view.outputs["ON"], plain, spectrally)
+    output = add(tree, "NodeGroupOutput", 8)
     tree.links.new(chosen, output.inputs["Color"])
     return tree
 
 
 def _product(tree, column: int, row: int, a, b):
-    node = _add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY")
+    node = add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY")
     tree.links.new(a, node.inputs[0])
     tree.links.new(b, node.inputs[1])
     return node.outputs[0]
@@ -196,20 +208,20 @@ def emitter_group(name: str, coefficients: np.ndarray):
     tree, new = _shared_tree(name, "emitter")
     if not new:
         return tree
-    _socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
-    _socket(tree, "Color", "Color", output=True)
+    add_socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    add_socket(tree, "Color", "Color", output=True)
     channels = len(coefficients)
-    source = _add(tree, "NodeGroupInput", 0, 1)
-    view = _add_view(tree, channels)
-    chosen = _choose(
-        tree, channels + 1, view.outputs["ON"], source.outputs["Color"], _weighed(tree, view, coefficients, 0)
+    source = add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
+    chosen = choose(
+        tree, channels + 1, view.outputs["ON"], source.outputs["Color"], weighed(tree, view, coefficients, 0)
     )
-    output = _add(tree, "NodeGroupOutput", channels + 2)
+    output = add(tree, "NodeGroupOutput", channels + 2)
     tree.links.new(chosen, output.inputs["Color"])
     return tree
 
 
-def _weighed(tree, view, coefficients, row: int):
+def weighed(tree, view, coefficients, row: int):
     """The colour `W @ c`."""
     total = None
     for k, value in enumerate(coefficients):
@@ -219,22 +231,22 @@ def _weighed(tree, view, coefficients, row: int):
 
 def new_spectrum(name: str, outputs: dict[str, str]):
     """An empty *spectrum* group with those outputs: socket name -> "Color" or "Vector"."""
-    tree = _new_tree(name, "ShaderNodeTree", "spectrum")
+    tree = new_tree(name, "ShaderNodeTree", "spectrum")
     for socket, kind in outputs.items():
-        _socket(tree, socket, kind, output=True)
+        add_socket(tree, socket, kind, output=True)
     return tree
 
 
 def fill_spectrum_plain(tree, plain: dict[str, tuple]):
     """Give a spectrum group only the values that it shows in a scene without Relume: output -> three numbers."""
     tree.nodes.clear()
-    output = _add(tree, "NodeGroupOutput", 1)
+    output = add(tree, "NodeGroupOutput", 1)
     for row, (name, value) in enumerate(plain.items()):
         if output.inputs[name].type == "RGBA":
-            node = _add(tree, "ShaderNodeRGB", 0, row)
+            node = add(tree, "ShaderNodeRGB", 0, row)
             node.outputs[0].default_value = (*value, 1.0)
         else:
-            node = _add(tree, "ShaderNodeCombineXYZ", 0, row)
+            node = add(tree, "ShaderNodeCombineXYZ", 0, row)
             for socket, number in zip(node.inputs, value, strict=True):
                 socket.default_value = number
         tree.links.new(node.outputs[0], output.inputs[name])
@@ -253,11 +265,11 @@ def plain_of(tree) -> dict[str, tuple]:
         elif node.type == "COMBXYZ":
             found[socket.name] = tuple(number.default_value for number in node.inputs)
         else:
-            found[socket.name] = tuple(_mixed(node, "A").default_value[:3])
+            found[socket.name] = tuple(mixed(node, "A").default_value[:3])
     return found
 
 
-def _mixed(mix, name: str):
+def mixed(mix, name: str):
     """Colour input A or B of a Mix node."""
     return next(socket for socket in mix.inputs if socket.name == name and socket.type == "RGBA")
 
@@ -266,16 +278,16 @@ def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndar
     """Give a spectrum group p coefficients for each output, and the plain values for a scene without Relume."""
     tree.nodes.clear()
     channels = len(next(iter(coefficients.values())))
-    output = _add(tree, "NodeGroupOutput", channels + 3)
-    view = _add_view(tree, channels)
+    output = add(tree, "NodeGroupOutput", channels + 3)
+    view = add_view(tree, channels)
     for row, (name, values) in enumerate(coefficients.items()):
-        total = _weighed(tree, view, values, row)
+        total = weighed(tree, view, values, row)
         if output.inputs[name].type == "VECTOR":
             # n and k of a metal: what the preview makes of them may not be negative
-            bound = _add(tree, "ShaderNodeVectorMath", channels + 1, row, operation="MAXIMUM")
+            bound = add(tree, "ShaderNodeVectorMath", channels + 1, row, operation="MAXIMUM")
             tree.links.new(total, bound.inputs[0])
             total = bound.outputs[0]
-        chosen = _choose(tree, channels + 2, view.outputs["ON"], plain[name], total)
+        chosen = choose(tree, channels + 2, view.outputs["ON"], plain[name], total)
         tree.links.new(chosen, output.inputs[name])
 
 
@@ -343,26 +355,26 @@ def take_out(tree, node):
 
 def recombination_group(name: str, groups: list[str], passes: int):
     """A compositor group: for every light group and pass an image in, the picture out; all matrices zero."""
-    tree = _new_tree(name, "CompositorNodeTree", "recombination")
-    _socket(tree, "Alpha", "Float", output=False, default=1.0)
+    tree = new_tree(name, "CompositorNodeTree", "recombination")
+    add_socket(tree, "Alpha", "Float", output=False, default=1.0)
     for group in groups:
         for k in range(passes):
-            _socket(tree, f"{group} {k + 1}", "Color", output=False, default=(0.0, 0.0, 0.0, 1.0))
-    _socket(tree, "Image", "Color", output=True)
-    source = _add(tree, "NodeGroupInput", 0)
+            add_socket(tree, f"{group} {k + 1}", "Color", output=False, default=(0.0, 0.0, 0.0, 1.0))
+    add_socket(tree, "Image", "Color", output=True)
+    source = add(tree, "NodeGroupInput", 0)
     total = None
     for row, group in enumerate(groups):
         for k in range(passes):
-            separate = _add(tree, "ShaderNodeSeparateXYZ", 1, row * passes + k)
+            separate = add(tree, "ShaderNodeSeparateXYZ", 1, row * passes + k)
             tree.links.new(source.outputs[f"{group} {k + 1}"], separate.inputs[0])
             for j in range(3):
                 total = _multiply_add(tree, 2 + j, row * passes + k, 0.0, separate.outputs[j], total)
                 total.node.name = _column_name(row, 3 * k + j)
-    alpha = _add(tree, "CompositorNodeSetAlpha", 6)
+    alpha = add(tree, "CompositorNodeSetAlpha", 6)
     alpha.inputs["Type"].default_value = "Replace Alpha"
     tree.links.new(total, alpha.inputs["Image"])
     tree.links.new(source.outputs["Alpha"], alpha.inputs["Alpha"])
-    output = _add(tree, "NodeGroupOutput", 7)
+    output = add(tree, "NodeGroupOutput", 7)
     tree.links.new(alpha.outputs[0], output.inputs["Image"])
     return tree
 

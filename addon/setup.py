@@ -7,7 +7,7 @@ import bpy
 from ..core import grouping, plan, sampling, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
-from . import compositing, content, inventory, lights, nodes, passes, properties, remarks, sockets, spectra
+from . import compositing, content, glass, inventory, lights, nodes, passes, properties, remarks, sockets, spectra
 
 __all__ = ["SetupError", "lighting", "relight", "remove", "sampling_for", "set_up"]
 
@@ -61,6 +61,7 @@ def _set_up(scene, model: FactorModel):
     _keep_settings(scene)
     scene[properties.MODEL] = json.dumps(model.to_dict())
     spectra.update_all(model)
+    glass.update_all(model)
     _convert_colors(scene, groups, model)
     passes.add(scene, model, groups, _share_samples(scene, model))
     compositing.add(scene, groups)
@@ -249,4 +250,5 @@ def remove(scene):
             sockets.restore(tree, owner)
     if not others:
         spectra.restore_all()
+        glass.restore_all()
     nodes.clear_orphans()

@@ -106,7 +106,7 @@ def test_what_a_spectrum_is_mixed_with_is_upsampled_before_the_mix(startup):
     diffuse = shader_in(tree, "ShaderNodeBsdfDiffuse")
     mix, reroute, texture = (tree.nodes.new(kind) for kind in ("ShaderNodeMix", "NodeReroute", "ShaderNodeTexChecker"))
     mix.data_type = "RGBA"
-    a, b = (nodes._mixed(mix, name) for name in "AB")
+    a, b = (nodes.mixed(mix, name) for name in "AB")
     tree.links.new(spectrum_node(tree).outputs[0], reroute.inputs[0])
     tree.links.new(reroute.outputs[0], a)
     tree.links.new(texture.outputs["Color"], b)

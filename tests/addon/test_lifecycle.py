@@ -1,4 +1,4 @@
-"""What artists do to a file while it is set up: undo, save, append, link, copy, rename, delete; and failures part-way."""
+"""What artists do to a file while it is set up: undo, save, append, link, copy, rename, delete. Failures part-way."""
 
 import bpy
 import pytest

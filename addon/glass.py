@@ -1,0 +1,119 @@
+"""Glasses with dispersion: each channel refracts by its own index.
+
+A closure of Cycles has one index of refraction. A *glass* group therefore adds three of them, each of which lets one of
+the three channels of a pass through and has the index of that channel. In a scene without Relume they are red, green
+and blue. A glass group keeps its index as `spectra` keep theirs.
+"""
+
+import bpy
+
+from ..core import view
+from ..core.factor_model import FactorModel
+from ..core.spectrum import Spectrum
+from . import nodes
+from .spectra import SPECTRA, spectra_of
+
+__all__ = ["GLASS_NODES", "new_glass", "replace", "restore_all", "update_all"]
+
+GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
+_KIND = "relume_closure"  # on a glass group: which closure it is made of
+
+
+def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", normal: bool = False):
+    """A node group that is a glass of that refractive index, made of Glass or Refraction closures.
+
+    normal: with an input for a normal.
+    """
+    tree = nodes.new_tree(name, "ShaderNodeTree", "glass")
+    tree[SPECTRA], tree[_KIND] = {"IOR": index.to_dict()}, kind
+    nodes.add_socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    nodes.add_socket(tree, "Roughness", "Float", output=False, default=0.0)
+    if normal:
+        nodes.add_socket(tree, "Normal", "Vector", output=False)
+    nodes.add_socket(tree, "BSDF", "Shader", output=True)
+    _fill(tree, None)
+    for scene in bpy.data.scenes:
+        if scene.relume.is_set_up:
+            _fill(tree, scene.relume.model())
+            break
+    return tree
+
+
+def _fill(tree, model: FactorModel | None):
+    """Build the group for a model's channels, or for red, green and blue."""
+    index = spectra_of(tree)["IOR"]
+    plain = view.display_primaries(index)
+    tree.nodes.clear()
+    source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
+    indices = nodes.add(tree, "ShaderNodeSeparateXYZ", 2)
+    if model is None:
+        indices.inputs[0].default_value = plain
+    else:
+        node_view = nodes.add_view(tree, model.channels)
+        spectral = nodes.weighed(tree, node_view, model.coefficients(index), -1)
+        tree.links.new(nodes.choose(tree, 1, node_view.outputs["ON"], tuple(plain), spectral), indices.inputs[0])
+    total = None
+    for channel in range(3):
+        masked = nodes.add(tree, "ShaderNodeVectorMath", 3, channel, operation="MULTIPLY")
+        masked.inputs[1].default_value = [float(channel == k) for k in range(3)]
+        closure = nodes.add(tree, tree[_KIND], 4, channel)
+        tree.links.new(source.outputs["Color"], masked.inputs[0])
+        tree.links.new(masked.outputs[0], closure.inputs["Color"])
+        tree.links.new(indices.outputs[channel], closure.inputs["IOR"])
+        for name in ("Roughness", "Normal"):
+            if name in source.outputs:
+                tree.links.new(source.outputs[name], closure.inputs[name])
+        total = closure.outputs[0] if total is None else _sum(tree, 5, channel, total, closure.outputs[0])
+    tree.links.new(total, output.inputs["BSDF"])
+
+
+def _sum(tree, column: int, row: int, a, b):
+    node = nodes.add(tree, "ShaderNodeAddShader", column, row)
+    tree.links.new(a, node.inputs[0])
+    tree.links.new(b, node.inputs[1])
+    return node.outputs[0]
+
+
+def replace(node, index: Spectrum):
+    """Put a glass of that refractive index in the place of a Glass or Refraction node, or of another glass."""
+    tree, normal = node.id_data, "Normal" in node.inputs and node.inputs["Normal"].is_linked
+    kind = node.bl_idname if node.bl_idname in GLASS_NODES else node.node_tree[_KIND]
+    glass = tree.nodes.new("ShaderNodeGroup")
+    glass.node_tree = _existing(index, kind, normal) or new_glass(index.name, index, kind, normal)
+    glass.parent, glass.location = node.parent, node.location
+    for socket in glass.inputs:
+        given = node.inputs[socket.name]
+        if given.is_linked:
+            tree.links.new(given.links[0].from_socket, socket)
+        elif socket.name != "Normal":
+            socket.default_value = given.default_value
+    for link in list(node.outputs[0].links):
+        tree.links.new(glass.outputs[0], link.to_socket)
+    tree.nodes.remove(node)
+    return glass
+
+
+def _existing(index: Spectrum, kind: str, normal: bool):
+    """The glass group of this file that is the same."""
+    for tree in _local():
+        if tree[_KIND] == kind and ("Normal" in tree.interface.items_tree) == normal:
+            own = spectra_of(tree)["IOR"]
+            if own.name == index.name and own.values.tolist() == index.values.tolist():
+                return tree
+    return None
+
+
+def _local():
+    return [t for t in bpy.data.node_groups if t.get(nodes.ROLE) == "glass" and t.library is None and SPECTRA in t]
+
+
+def update_all(model: FactorModel):
+    """Give every glass of this file the indices of a model's channels."""
+    for tree in _local():
+        _fill(tree, model)
+
+
+def restore_all():
+    """Leave in every glass of this file only the indices of red, green and blue."""
+    for tree in _local():
+        _fill(tree, None)
