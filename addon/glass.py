@@ -13,10 +13,11 @@ from ..core.spectrum import Spectrum
 from . import nodes
 from .spectra import SPECTRA, spectra_of
 
-__all__ = ["GLASS_NODES", "new_glass", "replace", "restore_all", "update_all"]
+__all__ = ["GLASS_NODES", "new_glass", "put_back", "replace", "restore_all", "update_all"]
 
 GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 _KIND = "relume_closure"  # on a glass group: which closure it is made of
+_SODIUM_D = 589.3  # nm
 
 
 def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", normal: bool = False):
@@ -80,17 +81,31 @@ def replace(node, index: Spectrum):
     kind = node.bl_idname if node.bl_idname in GLASS_NODES else node.node_tree[_KIND]
     glass = tree.nodes.new("ShaderNodeGroup")
     glass.node_tree = _existing(index, kind, normal) or new_glass(index.name, index, kind, normal)
-    glass.parent, glass.location = node.parent, node.location
-    for socket in glass.inputs:
-        given = node.inputs[socket.name]
-        if given.is_linked:
-            tree.links.new(given.links[0].from_socket, socket)
-        elif socket.name != "Normal":
-            socket.default_value = given.default_value
-    for link in list(node.outputs[0].links):
-        tree.links.new(glass.outputs[0], link.to_socket)
-    tree.nodes.remove(node)
+    _take_place(glass, node)
     return glass
+
+
+def put_back(node):
+    """Put a node of Blender's own, with the index at the sodium D line, in the place of a glass group."""
+    own = node.id_data.nodes.new(node.node_tree[_KIND])
+    own.inputs["IOR"].default_value = float(spectra_of(node.node_tree)["IOR"].sampled([_SODIUM_D])[0])
+    _take_place(own, node)
+    return own
+
+
+def _take_place(new, old):
+    tree = old.id_data
+    new.parent, new.location = old.parent, old.location
+    for socket in old.inputs:
+        if socket.name not in new.inputs:
+            continue
+        if socket.is_linked:
+            tree.links.new(socket.links[0].from_socket, new.inputs[socket.name])
+        elif socket.name in {"Color", "Roughness"}:
+            new.inputs[socket.name].default_value = socket.default_value
+    for link in list(old.outputs[0].links):
+        tree.links.new(new.outputs[0], link.to_socket)
+    tree.nodes.remove(old)
 
 
 def _existing(index: Spectrum, kind: str, normal: bool):

@@ -38,6 +38,7 @@ __all__ = [
     "plain_of",
     "recombination_group",
     "role",
+    "set_spectral",
     "take_out",
     "unplugged",
     "upsample_group",
@@ -49,6 +50,7 @@ __all__ = [
 ROLE = "relume_role"
 INSERTED = frozenset({"upsample", "light", "emitter"})  # roles of the groups that `insert` puts in front of sockets
 _KEPT = "relume_kept"  # on an inserted node: its value is not the artist's, and goes nowhere
+_LIGHT = "relume_light"  # on a Light group: the number of its light group
 _STEP = 180  # editor units between columns of nodes
 
 
@@ -104,7 +106,7 @@ def _multiply_add(tree, column: int, row: int, vector, scalar, addend):
 
 
 def choose(tree, column: int, on, plain, spectral):
-    """The socket of a colour: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
+    """A colour's socket: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
     mix = add(tree, "ShaderNodeMix", column, data_type="RGBA")
     tree.links.new(on, mix.inputs["Factor"])
     a, b = mixed(mix, "A"), mixed(mix, "B")
@@ -176,6 +178,7 @@ def light_group(index: int, channels: int, spectral: bool = False):
     tree, new = _shared_tree(f"Relume {'Spectral ' if spectral else ''}Light {index + 1}", "light")
     if not new:
         return tree
+    tree[_LIGHT] = index
     for name in ("Color", "Tint", "Spectrum"):
         add_socket(tree, name, "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
     add_socket(tree, "Color", "Color", output=True)
@@ -194,6 +197,12 @@ def light_group(index: int, channels: int, spectral: bool = False):
     output = add(tree, "NodeGroupOutput", 8)
     tree.links.new(chosen, output.inputs["Color"])
     return tree
+
+
+def set_spectral(node, channels: int, spectral: bool):
+    """Tell an inserted node of a *Light* group whether its Color comes from a spectrum."""
+    node.node_tree = light_group(node.node_tree[_LIGHT], channels, spectral)
+    node.label = node.node_tree.name
 
 
 def _product(tree, column: int, row: int, a, b):

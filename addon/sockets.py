@@ -25,6 +25,7 @@ __all__ = [
     "restore",
     "shadings_of",
     "spectral_sockets",
+    "take_out",
     "spectral_sockets",
     "trees_of",
 ]
@@ -278,12 +279,17 @@ def restore(tree, owner):
         return
     with nodes.unplugged(tree):
         for node in inserted:
-            if _ANIMATED in node:
-                after = node.inputs[0].path_from_id("default_value")
-                animation.move(tree, after, node[_ANIMATED])
-                if owner != tree:
-                    animation.move(owner, f"node_tree.{after}", f"node_tree.{node[_ANIMATED]}")
-            nodes.take_out(tree, node)
+            take_out(tree, owner, node)
+
+
+def take_out(tree, owner, node):
+    """Take one inserted node out of a tree; its animation goes back to where it was."""
+    if _ANIMATED in node:
+        after = node.inputs[0].path_from_id("default_value")
+        animation.move(tree, after, node[_ANIMATED])
+        if owner != tree:
+            animation.move(owner, f"node_tree.{after}", f"node_tree.{node[_ANIMATED]}")
+    nodes.take_out(tree, node)
 
 
 def all_trees():

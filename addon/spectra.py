@@ -9,9 +9,21 @@ import bpy
 from ..core import fresnel, view
 from ..core.factor_model import FactorModel
 from ..core.spectrum import Spectrum
-from . import nodes
+from . import nodes, sockets
 
-__all__ = ["SPECTRA", "assign", "new_conductor", "new_reflectance", "restore_all", "spectra_of", "update_all"]
+__all__ = [
+    "SPECTRA",
+    "assign",
+    "existing",
+    "inserted_before",
+    "new_conductor",
+    "new_reflectance",
+    "restore_all",
+    "source_of",
+    "spectra_of",
+    "unassign",
+    "update_all",
+]
 
 SPECTRA = "relume_spectra"
 
@@ -24,6 +36,21 @@ def new_reflectance(spectrum: Spectrum, name: str = ""):
 def new_conductor(name: str, n: Spectrum, k: Spectrum):
     """A node group with the outputs IOR and Extinction, for the Metallic BSDF of type Physical Conductor."""
     return _new(name, {"IOR": ("Vector", n), "Extinction": ("Vector", k)})
+
+
+def existing(spectra: dict[str, Spectrum]):
+    """The spectrum group of this file that holds just those spectra, by output socket; None if there is none."""
+    for tree in _local():
+        own = spectra_of(tree)
+        if own.keys() == spectra.keys() and all(_alike(own[socket], spectra[socket]) for socket in own):
+            return tree
+    return None
+
+
+def _alike(a: Spectrum, b: Spectrum) -> bool:
+    return (
+        a.name == b.name and a.wavelengths.tolist() == b.wavelengths.tolist() and a.values.tolist() == b.values.tolist()
+    )
 
 
 def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
@@ -44,7 +71,10 @@ def spectra_of(tree) -> dict[str, Spectrum]:
 
 
 def assign(material, socket, tree, output: str = "Color"):
-    """Feed a shader socket of a material from an output of a spectrum group. Returns the group node."""
+    """Feed a shader socket of a material from an output of a spectrum group. Returns the group node.
+
+    In a scene that is set up it takes the place of the RGB colour that was upsampled for the socket.
+    """
     node_tree = material.node_tree
     for node in node_tree.nodes:
         if node.type == "GROUP" and node.node_tree == tree:
@@ -53,8 +83,58 @@ def assign(material, socket, tree, output: str = "Color"):
         node = node_tree.nodes.new("ShaderNodeGroup")
         node.node_tree = tree
         node.location = (socket.node.location.x - 220, socket.node.location.y - 60)
+    before = inserted_before(socket)
+    if before is not None and nodes.role(before) == "light":
+        nodes.set_spectral(before, _channels(), True)
+        socket = before.inputs["Color"]
+        before = inserted_before(socket)
+    while before is not None:
+        sockets.take_out(node_tree, material, before)
+        before = inserted_before(socket)
+    old = socket.links[0].from_node if source_of(socket) else None
     node_tree.links.new(node.outputs[output], socket)
+    if old is not None and old != node:
+        _clear_unused(node_tree, old)
     return node
+
+
+def _clear_unused(tree, node):
+    if not any(output.is_linked for output in node.outputs):
+        tree.nodes.remove(node)
+
+
+def unassign(material, socket):
+    """Let a shader socket of a material show its own RGB colour again, upsampled in a scene that is set up."""
+    tree, before = material.node_tree, inserted_before(socket)
+    if before is not None and nodes.role(before) == "light":
+        nodes.set_spectral(before, _channels(), False)
+        socket = before.inputs["Color"]
+    if source_of(socket) is None:
+        return
+    node = socket.links[0].from_node
+    tree.links.remove(socket.links[0])
+    _clear_unused(tree, node)
+    if before is None and _channels():
+        nodes.insert(tree, socket, None, nodes.upsample_group(_channels(), vector=socket.type == "VECTOR"))
+
+
+def inserted_before(socket):
+    """The node that set-up put right in front of a socket, None if there is none."""
+    node = socket.links[0].from_node if socket.is_linked else None
+    return node if node is not None and nodes.role(node) in nodes.INSERTED else None
+
+
+def source_of(socket):
+    """The spectrum group that feeds a socket, through what set-up put in between; None if none does."""
+    while (before := inserted_before(socket)) is not None:
+        socket = before.inputs[0]
+    node = socket.links[0].from_node if socket.is_linked else None
+    return node.node_tree if node is not None and nodes.role(node) == "spectrum" else None
+
+
+def _channels() -> int:
+    """Channels of the model that this file renders, 0 if no scene is set up."""
+    return next((scene.relume.model().channels for scene in bpy.data.scenes if scene.relume.is_set_up), 0)
 
 
 def _plain(tree) -> dict[str, tuple]:

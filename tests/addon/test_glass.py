@@ -51,7 +51,9 @@ def prism():
     node = tree.nodes.new("ShaderNodeBsdfGlass")
     tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     line = bpy.data.meshes.new("line")
-    line.from_pydata([(LINE + x, y, -DISTANCE) for x, y in ((-0.01, -5), (0.01, -5), (0.01, 5), (-0.01, 5))], [], [(0, 1, 2, 3)])
+    line.from_pydata(
+        [(LINE + x, y, -DISTANCE) for x, y in ((-0.01, -5), (0.01, -5), (0.01, 5), (-0.01, 5))], [], [(0, 1, 2, 3)]
+    )
     shining = bpy.data.materials.new("line")
     shining.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 1.0
     line.materials.append(shining)

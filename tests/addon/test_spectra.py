@@ -1,0 +1,113 @@
+"""Measured spectra put where they matter, from the library and from files, before and after set-up."""
+
+import bpy
+import pytest
+
+from relume.addon import material_panel, nodes, setup, spectra
+from relume.core import bases, library
+
+
+@pytest.fixture
+def cube(startup):
+    """The cube's material; the cube is active."""
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    return bpy.data.objects["Cube"].active_material
+
+
+def chosen(material):
+    tree = material.node_tree
+    return {
+        place: material_panel._chosen(tree.nodes[place[0]], *place[1:]) for place in material_panel.places(material)
+    }
+
+
+BASE = ("Principled BSDF", "Base Color", "reflectance")
+SHINE = ("Principled BSDF", "Emission Color", "reflectance")
+
+
+def assign(place, name):
+    assert bpy.ops.relume.assign_spectrum(node=place[0], socket=place[1], takes=place[2], spectrum=name) == {"FINISHED"}
+
+
+def clear(place):
+    assert bpy.ops.relume.clear_spectrum(node=place[0], socket=place[1], takes=place[2]) == {"FINISHED"}
+
+
+@pytest.mark.parametrize("is_set_up", [False, True])
+def test_a_reflectance_is_assigned_and_cleared(startup, cube, is_set_up):
+    if is_set_up:
+        setup.set_up(startup, bases.fitted(6))
+    base = cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    assign(BASE, "ColorChecker: red")
+    assert chosen(cube)[BASE] == "ColorChecker: red"
+    assert nodes.role(base.links[0].from_node) == "spectrum"
+    weights = [n for n in base.links[0].from_node.node_tree.nodes if n.type == "VECT_MATH"]
+    assert len(weights) == (6 if is_set_up else 0)
+    clear(BASE)
+    assert chosen(cube)[BASE] == ""
+    assert base.is_linked is is_set_up
+    setup.remove(startup)
+    assert not base.is_linked
+    assert tuple(base.default_value) == pytest.approx((0.7, 0.2, 0.1, 1.0))
+
+
+def test_the_same_spectrum_is_one_group(startup, cube):
+    assign(BASE, "CES 10")
+    cube.node_tree.nodes["Principled BSDF"].inputs["Coat Weight"].default_value = 1.0
+    assign(("Principled BSDF", "Coat Tint", "reflectance"), "CES 10")
+    assert [t.get(nodes.ROLE) for t in bpy.data.node_groups].count("spectrum") == 1
+
+
+def test_a_spectrum_on_what_shines_stays_when_the_scene_is_given_back(startup, cube):
+    shine = cube.node_tree.nodes["Principled BSDF"].inputs["Emission Color"]
+    cube.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 1.0
+    shine.default_value = (1.0, 0.5, 0.2, 1.0)
+    setup.set_up(startup, bases.fitted(6))
+    assign(SHINE, "ColorChecker: red")
+    light = shine.links[0].from_node
+    assert nodes.role(light) == "light" and "Spectral" in light.node_tree.name
+    assert chosen(cube)[SHINE] == "ColorChecker: red"
+    setup.remove(startup)
+    assert chosen(cube)[SHINE] == "ColorChecker: red"
+    setup.set_up(startup, bases.fitted(6))
+    clear(SHINE)
+    assert "Spectral" not in shine.links[0].from_node.node_tree.name
+    setup.remove(startup)
+    assert not shine.is_linked
+
+
+def test_metals_and_glasses(startup, cube):
+    tree = cube.node_tree
+    metal, glassy = tree.nodes.new("ShaderNodeBsdfMetallic"), tree.nodes.new("ShaderNodeBsdfGlass")
+    glassy.name = "Lens"
+    tree.links.new(metal.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    for name in library.conductors():
+        assign(("Metallic BSDF", "", "metal"), name)
+        assert chosen(cube)["Metallic BSDF", "", "metal"] == name
+    for name in library.glasses():
+        place = next(place for place in material_panel.places(cube) if place[2] == "glass")
+        assign(place, name)
+    place = next(place for place in material_panel.places(cube) if place[2] == "glass")
+    assert chosen(cube)[place] == library.glasses()[-1]
+    clear(place)
+    own = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfGlass")
+    assert own.inputs["IOR"].default_value == pytest.approx(library.glass(library.glasses()[-1]).sampled([589.3])[0])
+    clear(("Metallic BSDF", "", "metal"))
+    assert not metal.inputs["IOR"].is_linked
+
+
+def test_spectra_from_files(startup, cube, tmp_path):
+    path = tmp_path / "Ткань.csv"
+    path.write_text("nm,dyed cloth\n400,0.1\n500,0.4\n600,0.8\n700,0.9\n", encoding="utf-8")
+    common = {"node": BASE[0], "socket": BASE[1], "takes": BASE[2]}
+    assert bpy.ops.relume.assign_spectrum_file(filepath=str(path), **common) == {"FINISHED"}
+    base = cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    assert spectra.spectra_of(spectra.source_of(base))["Color"].sampled([500.0]) == pytest.approx([0.4])
+    path.write_text("400,0.1\n400,0.2\n")
+    with pytest.raises(RuntimeError, match="400 nm occurs more than once"):
+        bpy.ops.relume.assign_spectrum_file(filepath=str(path), **common)
+    assert spectra.spectra_of(spectra.source_of(base))["Color"].name == "dyed cloth"
+    path.write_text("400,0.1\n500,0.2\n")
+    with pytest.raises(RuntimeError, match="n and k"):
+        cube.node_tree.nodes.new("ShaderNodeBsdfMetallic")
+        bpy.ops.relume.assign_spectrum_file(filepath=str(path), node="Metallic BSDF", takes="metal")
