@@ -106,7 +106,7 @@ def _multiply_add(tree, column: int, row: int, vector, scalar, addend):
 
 
 def choose(tree, column: int, on, plain, spectral):
-    """A colour's socket: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
+    """A colour: `spectral` where the view layer carries a matrix, else `plain` (a socket, or an RGB colour)."""
     mix = add(tree, "ShaderNodeMix", column, data_type="RGBA")
     tree.links.new(on, mix.inputs["Factor"])
     a, b = mixed(mix, "A"), mixed(mix, "B")

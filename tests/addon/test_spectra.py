@@ -17,7 +17,7 @@ def cube(startup):
 def chosen(material):
     tree = material.node_tree
     return {
-        place: material_panel._chosen(tree.nodes[place[0]], *place[1:]) for place in material_panel.places(material)
+        place: material_panel.chosen_at(tree.nodes[place[0]], *place[1:]) for place in material_panel.places(material)
     }
 
 
