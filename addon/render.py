@@ -131,6 +131,8 @@ def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balanc
         white_balance=image.white_balance if white_balance is None else white_balance,
         method=image.white_balance_method,
         space=image.space,
+        white=image.white,
+        observer=image.observer,
     )
     return coefficients.recombine(list(image.groups.values()), matrices)
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from .factor_model import FactorModel
 from .spectrum import Spectrum
+from .view import OBSERVER
 
 __all__ = [
     "EVERYTHING_ELSE",
@@ -48,6 +49,7 @@ class CoefficientImage:
 
     groups: light group -> (height, width, p) float32. illuminants: light group -> what lit it. alpha: (height, width).
     view: how Blender would show it (`view_transform`, `look`, `exposure`, `gamma`), an empty mapping for plain sRGB.
+    white, observer: as `view.recombination_matrices` takes them.
     """
 
     model: FactorModel
@@ -59,6 +61,8 @@ class CoefficientImage:
     white_balance_method: str = "bradford"
     view: Mapping[str, object] = field(default_factory=dict)
     gains: Mapping[str, float] = field(default_factory=dict)
+    white: tuple[float, float, float] | None = None
+    observer: str | tuple[Spectrum, Spectrum, Spectrum] = OBSERVER
 
     @property
     def size(self) -> tuple[int, int]:
@@ -220,6 +224,8 @@ def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> Non
         "white_balance": image.white_balance,
         "white_balance_method": image.white_balance_method,
         "view": dict(image.view),
+        "white": image.white,
+        "observer": image.observer if isinstance(image.observer, str) else [one.to_dict() for one in image.observer],
     }
     names = ["R", "G", "B", "A"]
     for group in image.groups:
@@ -283,4 +289,10 @@ def read(path: str | Path) -> CoefficientImage:
         white_balance_method=header["white_balance_method"],
         view=header["view"],
         gains=header["gains"],
+        white=header.get("white"),
+        observer=_observer(header.get("observer", OBSERVER)),
     )
+
+
+def _observer(described):
+    return described if isinstance(described, str) else tuple(Spectrum.from_dict(one) for one in described)

@@ -9,15 +9,18 @@ Everything a Blender scene needs to show a factor model is a handful of small ma
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from . import library
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix, rgb_to_xyz
 
 __all__ = [
     "ADAPTATIONS",
+    "OBSERVER",
     "Light",
     "ViewLayerNumbers",
     "adaptation",
@@ -26,8 +29,10 @@ __all__ = [
     "display_primaries",
     "for_passes",
     "mixed_white",
+    "observer_to_xyz",
     "preview",
     "recombination_matrices",
+    "relight_matrix",
     "sharp_rgb",
     "srgb_encoded",
     "xyz_to_rgb",
@@ -40,6 +45,8 @@ ADAPTATIONS = {
     # spectral sharpening", CIC 8 (2000)
     "sharp": np.array([[1.2694, -0.0988, -0.1706], [-0.8364, 1.8006, 0.0357], [0.0297, -0.0315, 1.0018]]),
 }
+
+OBSERVER = "CIE 1931 2°"  # whose XYZ a display is made for
 
 # Below this part of the largest channel a light is taken to have none of that primary: under a sodium lamp the blue of
 # a display is negative, and a preview colour divided by it would mean nothing.
@@ -101,22 +108,65 @@ def adaptation(source, target, degree: float = 1.0, method: str = "bradford") ->
     return matrix / (matrix @ source)[1] * source[1]
 
 
-def mixed_white(lights: Sequence[Light], model: FactorModel) -> np.ndarray:
+@lru_cache(maxsize=16)
+def observer_to_xyz(observer=OBSERVER) -> np.ndarray:
+    """(3, 3) from what an observer or camera sees to the XYZ that a display is made for.
+
+    observer: a name that `library.sensitivities` knows, or three Spectrum. The matrix of least squares over the CES
+    reflectances in daylight (as a camera's input transform), exact for white. Raises LibraryError.
+    """
+    if observer == OBSERVER:
+        return np.eye(3)
+    seen = library.sensitivities(observer) if isinstance(observer, str) else _sampled_sensitivities(observer)
+    daylight = library.illuminant("D65").sampled()
+    samples = np.stack([spectrum.sampled() for spectrum in library.reflectances("ces")])
+    sources, targets = (samples @ _normalised(daylight[:, None] * cmfs) for cmfs in (seen, library.observer()))
+    white, wanted = (_normalised(daylight[:, None] * cmfs).sum(axis=0) for cmfs in (seen, library.observer()))
+    # Every matrix that is exact for white is one of them plus rows at right angles to it
+    exact = np.outer(wanted, white) / (white @ white)
+    free = np.linalg.svd(white[None])[2][1:].T
+    return exact + np.linalg.lstsq(sources @ free, targets - sources @ exact.T, rcond=None)[0].T @ free.T
+
+
+def _sampled_sensitivities(observer) -> np.ndarray:
+    return np.stack([one.sampled() for one in observer], axis=1)
+
+
+def _normalised(weights: np.ndarray) -> np.ndarray:
+    return weights / weights[:, 1].sum()
+
+
+@lru_cache(maxsize=512)
+def relight_matrix(model: FactorModel, illuminant: Spectrum, observer=OBSERVER) -> np.ndarray:
+    """(3, p), read-only: coefficients to the XYZ of a display, as `observer` sees them under `illuminant`.
+
+    The last ones are kept: a mixer asks for the same lights again and again. Raises as `FactorModel.relight` does.
+    """
+    matrix = observer_to_xyz(observer) @ model.relight(illuminant, observer)
+    matrix.setflags(write=False)
+    return matrix
+
+
+def mixed_white(lights: Sequence[Light], model: FactorModel, observer=OBSERVER) -> np.ndarray:
     """(3,) XYZ, Y = 1, of a perfect white lit by all the lights; D65 where every light is off."""
     white = np.zeros(3)
     for light in lights:
         if light.gain > 0.0:
-            white += light.gain * model.relight(light.illuminant).sum(axis=1)
+            white += light.gain * relight_matrix(model, light.illuminant, observer).sum(axis=1)
     return white / white[1] if white[1] > 0.0 else rgb_to_xyz("Linear Rec.709").sum(axis=1)
 
 
-def _balanced(lights: Sequence[Light], model, degree: float, method: str, space: str) -> np.ndarray:
-    """(3, 3) XYZ to the working space, with the white of the mix balanced to D65."""
+def _balanced(lights: Sequence[Light], model, degree: float, method: str, space: str, white, observer) -> np.ndarray:
+    """(3, 3) XYZ to the working space, with `white`, or else the white of the mix, balanced to D65."""
     to_rgb = xyz_to_rgb(space)
     display_white = np.linalg.inv(to_rgb).sum(axis=1)
     if degree == 0.0:
         return to_rgb
-    return to_rgb @ adaptation(mixed_white(lights, model), display_white, degree, method)
+    if white is None:
+        white = mixed_white(lights, model, observer)
+    if not np.asarray(white)[1] > 0.0:
+        raise ValueError("white balance: what is to be white is dark; pick another pixel or group")
+    return to_rgb @ adaptation(white, display_white, degree, method)
 
 
 def recombination_matrices(
@@ -126,13 +176,16 @@ def recombination_matrices(
     white_balance: float = 0.0,
     method: str = "bradford",
     space: str = "Linear Rec.709",
+    white=None,
+    observer=OBSERVER,
 ) -> np.ndarray:
     """(groups, 3, p) matrices: the picture is the sum over light groups of `matrix @ coefficients`.
 
-    Gain, relight matrix, white balance and working space are folded together; nothing is clamped.
+    Gain, relight matrix, white balance and working space are folded together; nothing is clamped. white: XYZ (3,), of
+    any luminance, of what becomes white; that of the mix if none is given. observer: see `FactorModel.relight`.
     """
-    to_rgb = _balanced(lights, model, white_balance, method, space)
-    return np.array([light.gain * (to_rgb @ model.relight(light.illuminant)) for light in lights])
+    to_rgb = _balanced(lights, model, white_balance, method, space, white, observer)
+    return np.array([light.gain * (to_rgb @ relight_matrix(model, light.illuminant, observer)) for light in lights])
 
 
 def for_passes(matrices: np.ndarray) -> np.ndarray:
@@ -164,26 +217,29 @@ def preview(
     white_balance: float = 0.0,
     method: str = "bradford",
     space: str = "Linear Rec.709",
+    white=None,
+    observer=OBSERVER,
 ) -> ViewLayerNumbers:
     """What the artist's own view layer holds: colours prefiltered for the strongest light [WE section 2].
 
-    A first bounce of the strongest light is exact to the model; other lights act as RGB colours.
+    A first bounce of the strongest light is exact to the model; other lights act as RGB colours. Takes what
+    `recombination_matrices` takes.
     """
-    matrices = recombination_matrices(model, lights, white_balance=white_balance, method=method, space=space)
+    matrices = recombination_matrices(
+        model, lights, white_balance=white_balance, method=method, space=space, white=white, observer=observer
+    )
     whites = matrices.sum(axis=2)  # (groups, 3): a perfect white under each light
     key = int(np.argmax([light.gain for light in lights]))
-    white = whites[key]
-    shown = white > _NO_PRIMARY * white.max()
+    lit = whites[key]
+    shown = lit > _NO_PRIMARY * lit.max()
     spectrum = np.full((3, model.channels), 1.0 / model.channels)
-    if white.max() > 0.0:
-        spectrum[shown] = matrices[key][shown] / white[shown, None]
+    if lit.max() > 0.0:
+        spectrum[shown] = matrices[key][shown] / lit[shown, None]
     return ViewLayerNumbers(spectrum=spectrum, rgb=spectrum @ rgb_matrix(model, space), lights=np.maximum(whites, 0.0))
 
 
 def daylight_rgb(reflectance: Spectrum, space: str = "Linear Rec.709") -> np.ndarray:
     """(3,) colour 0..1 of a reflectance in D65, for a scene that knows no spectra; clipped to the gamut of `space`."""
-    from . import library
-
     cmfs, daylight = library.observer(), library.illuminant("D65").sampled(WAVELENGTHS)
     xyz = (reflectance.sampled(WAVELENGTHS) * daylight) @ cmfs / (daylight @ cmfs[:, 1])
     return np.clip(xyz_to_rgb(space) @ xyz, 0.0, 1.0)

@@ -1,0 +1,80 @@
+"""Small pictures of illuminants for menus and panels, as arrays: Blender's panels cannot draw curves themselves."""
+
+import numpy as np
+
+from . import library
+from .spectrum import WAVELENGTHS, Spectrum
+from .upsample import rgb_to_xyz
+from .view import srgb_encoded
+
+__all__ = ["curve", "icon", "plot", "swatch"]
+
+_OVERSAMPLING = 4
+
+
+def swatch(illuminant: Spectrum) -> np.ndarray:
+    """(3,) colour of a white under an illuminant, sRGB 0..1, as bright as the display shows it without clipping."""
+    xyz = illuminant.sampled() @ library.observer()
+    rgb = np.maximum(np.linalg.solve(rgb_to_xyz("Linear Rec.709"), xyz), 0.0)
+    return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
+
+
+def curve(spectrum: Spectrum) -> np.ndarray:
+    """(81,) values of a spectrum on `WAVELENGTHS`, its highest 1."""
+    values = np.maximum(spectrum.sampled(), 0.0)
+    return values / values.max() if values.max() > 0.0 else values
+
+
+def _heights(values: np.ndarray, width: int) -> np.ndarray:
+    """(width,) heights of a curve; the highest of what falls into a column, so that no line is lost."""
+    fine = np.linspace(0, len(values) - 1, 8 * width)
+    return np.interp(fine, np.arange(len(values)), values).reshape(width, 8).max(axis=1)
+
+
+def _reduced(picture: np.ndarray) -> np.ndarray:
+    """Mean over squares of `_OVERSAMPLING` pixels."""
+    height, width, channels = picture.shape
+    return picture.reshape(
+        height // _OVERSAMPLING, _OVERSAMPLING, width // _OVERSAMPLING, _OVERSAMPLING, channels
+    ).mean(axis=(1, 3))
+
+
+def icon(values: np.ndarray, color: np.ndarray, size: int = 32) -> np.ndarray:
+    """(size, size, 4) sRGB float32, lowest row first: the swatch `color` (3,), and over it the curve `values` (81,)."""
+    fine = size * _OVERSAMPLING
+    heights = 0.06 + 0.80 * _heights(np.asarray(values, float), fine)
+    rows = (np.arange(fine) + 0.5)[:, None] / fine
+    luminance = np.asarray(color, float) @ (0.2126, 0.7152, 0.0722)
+    ink = np.full(3, 0.05 if luminance > 0.4 else 0.95)
+    picture = np.ones((fine, fine, 4))
+    picture[..., :3] = np.where((rows < heights)[..., None], 0.25 * np.asarray(color) + 0.75 * ink, color)
+    return _reduced(picture).astype(np.float32)
+
+
+def plot(values: np.ndarray, width: int = 256, height: int = 96) -> np.ndarray:
+    """(height, width, 4) sRGB float32, lowest row first: the area under a curve (81,) in the colours of its light."""
+    fine = width * _OVERSAMPLING
+    heights = _heights(np.asarray(values, float), fine)
+    rows = (np.arange(height * _OVERSAMPLING) + 0.5)[:, None] / (height * _OVERSAMPLING)
+    picture = np.zeros((height * _OVERSAMPLING, fine, 4))
+    picture[..., :3] = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
+    picture[..., 3] = np.where(rows < 0.96 * heights + 0.015, 1.0, 0.12)
+    return _reduced(picture).astype(np.float32)
+
+
+def _rainbow(wavelengths: np.ndarray) -> np.ndarray:
+    """(n, 3) sRGB that hints at the colour of each wavelength in nm; a drawing, not a measurement."""
+    stops = [380, 420, 450, 485, 510, 550, 580, 610, 650, 780]
+    colors = [
+        (0.30, 0.05, 0.40),
+        (0.38, 0.10, 0.75),
+        (0.15, 0.25, 0.95),
+        (0.05, 0.70, 0.90),
+        (0.10, 0.80, 0.40),
+        (0.55, 0.85, 0.10),
+        (0.95, 0.85, 0.10),
+        (0.98, 0.50, 0.08),
+        (0.90, 0.12, 0.08),
+        (0.40, 0.02, 0.05),
+    ]
+    return np.stack([np.interp(wavelengths, stops, column) for column in np.array(colors).T], axis=1)
