@@ -8,9 +8,9 @@ __all__ = ["register", "unregister"]
 
 
 def _modules():
-    from . import commands, material_panel, operators, panels, properties, remarks
+    from . import commands, handlers, icons, material_panel, operators, panels, properties, remarks
 
-    return properties, operators, panels, remarks, material_panel, commands
+    return properties, icons, operators, panels, remarks, material_panel, handlers, commands
 
 
 def register():

@@ -6,11 +6,22 @@ from ..core import view
 from ..core.coefficients import EVERYTHING_ELSE
 from . import nodes, passes
 
-__all__ = ["add", "remove", "write_matrices"]
+__all__ = [
+    "add",
+    "compare",
+    "end_comparison",
+    "move_wipe",
+    "recombinations",
+    "remove",
+    "rename",
+    "write_matrices",
+]
 
 _SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 _ADDED = "relume_added"  # on the nodes that Relume added
 _TREE = "Relume Compositing"
+_COMPARISON = "relume_comparison"  # on the nodes of a comparison
+_LINE = "relume_line"  # on the node that says where the pictures meet
 _STEP = 240
 
 
@@ -79,15 +90,39 @@ def _added(tree, kind: str, beside, column: float, row: int):
     return node
 
 
-def write_matrices(scene, matrices, groups: list[str]):
+def write_matrices(scene, matrices):
     """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination."""
-    if groups[-1] == EVERYTHING_ELSE:
-        matrices = view.for_passes(matrices)
-    for tree in {node.node_tree for node in _recombinations(scene)}:
-        nodes.write_recombination(tree, matrices)
+    for tree in {node.node_tree for node in recombinations(scene)}:
+        nodes.write_recombination(tree, _as_rendered(scene, matrices))
 
 
-def _recombinations(scene):
+def rename(scene, before: str, after: str):
+    """Follow a light group that got a new name on the view layers: sockets, and the passes that feed them."""
+    tree = scene.compositing_node_group
+    sockets = {}
+    for node in recombinations(scene):
+        for socket in node.inputs:
+            group, _, number = socket.name.rpartition(" ")
+            if group == before and socket.is_linked:
+                sockets[node, f"{after} {number}"] = socket.links[0].from_node
+        for item in node.node_tree.interface.items_tree:
+            group, _, number = item.name.rpartition(" ")
+            if group == before:
+                item.name = f"{after} {number}"
+    for render in set(sockets.values()):
+        render.layer = render.layer  # reads the names of the passes anew
+    for (node, name), render in sockets.items():
+        tree.links.new(render.outputs[passes.light_pass(after)], node.inputs[name])
+
+
+def _as_rendered(scene, matrices):
+    """Matrices for the images that the scene composites: a render's last may hold all light, a file's never does."""
+    rows = scene.relume.light_groups
+    return view.for_passes(matrices) if not scene.relume.exr and rows[-1].name == EVERYTHING_ELSE else matrices
+
+
+def recombinations(scene) -> list:
+    """The nodes that recombine the scene's coefficient passes."""
     tree = scene.compositing_node_group
     return [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
 
@@ -106,7 +141,8 @@ def remove(scene):
     tree = scene.compositing_node_group
     if tree is None:
         return
-    for recombination in _recombinations(scene):
+    end_comparison(scene)
+    for recombination in recombinations(scene):
         if not recombination.inputs["Alpha"].is_linked:
             continue  # the artist deleted the Render Layers node
         first = recombination.inputs["Alpha"].links[0].from_node
@@ -123,3 +159,61 @@ def remove(scene):
         scene.compositing_node_group = None
         if tree.users == 0:
             bpy.data.node_groups.remove(tree)
+
+
+def compare(scene, matrices):
+    """Show the picture of other (groups, 3, p) matrices right of a line that `move_wipe` moves."""
+    end_comparison(scene)
+    tree = scene.compositing_node_group
+    for first in recombinations(scene):
+        users = [link.to_socket for link in first.outputs["Image"].links]
+        other = _added(tree, "CompositorNodeGroup", first, 0, -2)
+        other.node_tree = first.node_tree.copy()
+        other.node_tree[nodes.ROLE] = "comparison"
+        other.node_tree.animation_data_clear()
+        nodes.write_recombination(other.node_tree, _as_rendered(scene, matrices))
+        for name, socket in first.inputs.items():
+            if socket.is_linked:
+                tree.links.new(socket.links[0].from_socket, other.inputs[name])
+        place = _added(tree, "CompositorNodeImageCoordinates", first, 1, -2)
+        across = _added(tree, "ShaderNodeSeparateXYZ", first, 1.3, -2)
+        right = _added(tree, "ShaderNodeMath", first, 1.6, -2)
+        right.operation = "GREATER_THAN"
+        mix = _added(tree, "ShaderNodeMix", first, 1.9, -2)
+        mix.data_type = "RGBA"
+        mix[_COMPARISON] = True
+        factor, a, b = (next(s for s in mix.inputs if s.name == n and s.enabled) for n in ("Factor", "A", "B"))
+        tree.links.new(first.outputs["Image"], place.inputs["Image"])
+        tree.links.new(place.outputs["Normalized"], across.inputs[0])
+        tree.links.new(across.outputs[0], right.inputs[0])
+        tree.links.new(right.outputs[0], factor)
+        tree.links.new(first.outputs["Image"], a)
+        tree.links.new(other.outputs["Image"], b)
+        picture = next(s for s in mix.outputs if s.enabled)
+        for user in users:
+            tree.links.new(picture, user)
+        for node in (other, place, across, right):
+            node[_COMPARISON] = True
+        right[_LINE] = True
+    move_wipe(scene, scene.relume.wipe)
+
+
+def move_wipe(scene, position: float):
+    """Move the line of a comparison to a part, 0 to 1, of the picture's width; without a comparison, does nothing."""
+    tree = scene.compositing_node_group
+    for node in tree.nodes if tree else ():
+        if _LINE in node:
+            node.inputs[1].default_value = position
+
+
+def end_comparison(scene):
+    """Show only the mixer's own picture again."""
+    tree = scene.compositing_node_group
+    added = [node for node in tree.nodes if _COMPARISON in node] if tree else []
+    for mix in [node for node in added if node.type == "MIX"]:
+        first = next(s for s in mix.inputs if s.name == "A" and s.enabled).links[0].from_socket
+        for link in list(next(s for s in mix.outputs if s.enabled).links):
+            tree.links.new(first, link.to_socket)
+    for node in added:
+        tree.nodes.remove(node)
+    nodes.clear_orphans()

@@ -70,6 +70,7 @@ def _choose_illuminants(scene, chosen: list[str]) -> list[str]:
         if group not in scene.relume.light_groups:
             known = ", ".join(row.name for row in scene.relume.light_groups)
             raise SetupError(f"scene {scene.name!r} has no light group {group!r}; it has {known}")
+        scene.relume.light_groups[group].source = "LIBRARY"
         scene.relume.light_groups[group].illuminant = name
     return plain
 
@@ -109,8 +110,8 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
     finally:
         progress.done()
     image = rendered.image
-    lights = {row.name: row.light() for row in scene.relume.light_groups}
-    mixes = {"+".join(dict.fromkeys(row.illuminant for row in scene.relume.light_groups)): lights}
+    lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
+    mixes = {"+".join(dict.fromkeys(row.label for row in scene.relume.light_groups)): lights}
     if plain:
         # The scene's own mix is a picture of its own only where the caller asked for no other
         mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}

@@ -16,11 +16,30 @@ from . import animation, inventory, nodes, sockets
 from .closures import Kind, in_use, kind_of, spectral_sockets
 from .remarks import Remark
 
-__all__ = ["Lamp", "Lighting", "has_emitters", "is_too_long", "light_groups_of", "restore", "take_colors"]
+__all__ = [
+    "LONGEST",
+    "Lamp",
+    "Lighting",
+    "emitters_of",
+    "has_emitters",
+    "is_too_long",
+    "light_groups_of",
+    "restore",
+    "strength_sockets",
+    "take_colors",
+]
 
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
 _MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
 _DAYLIGHT = "D65"
+LONGEST = 63 - len("Combined_")  # bytes of a light group's name that leave room for that of its pass
+
+
+def emitters_of(scene) -> list:
+    """The objects that shine, and the world if it does."""
+    found, shines = inventory.take(scene), {}
+    things = [thing for thing in found.objects if _shines(thing, found, shines)]
+    return [*things, scene.world] if scene.world and _tree_shines(scene.world.node_tree, shines) else things
 
 
 def light_groups_of(scene) -> list[str]:
@@ -28,19 +47,24 @@ def light_groups_of(scene) -> list[str]:
 
     `EVERYTHING_ELSE` comes last if anything that shines belongs to none.
     """
-    found = inventory.take(scene)
-    shines = {}
-    names = [thing.lightgroup for thing in found.objects if _shines(thing, found, shines)]
-    if scene.world and _tree_shines(scene.world.node_tree, shines):
-        names.append(scene.world.lightgroup)
-    names = list(dict.fromkeys(names))
+    names = list(dict.fromkeys(thing.lightgroup for thing in emitters_of(scene)))
     kept = [name for name in names if name and not is_too_long(name)]
     return [*kept, EVERYTHING_ELSE] if len(kept) < len(names) else kept
 
 
 def is_too_long(group: str) -> bool:
     """Whether the name of a light group does not fit that of its render pass: Blender then renders nothing into it."""
-    return len(f"Combined_{group}".encode()) > 63
+    return len(group.encode()) > LONGEST
+
+
+def strength_sockets(tree) -> list:
+    """The inputs that say how strongly a node tree shines."""
+    return [
+        next(other for other in node.inputs if other.name in ("Strength", "Emission Strength"))
+        for node in tree.nodes
+        for socket in spectral_sockets(node)
+        if kind_of(socket) is Kind.EMISSION and in_use(socket)
+    ]
 
 
 def has_emitters(scene) -> bool:

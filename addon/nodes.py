@@ -32,6 +32,7 @@ __all__ = [
     "fill_spectrum_plain",
     "insert",
     "light_group",
+    "matrix_sockets",
     "mixed",
     "new_spectrum",
     "new_tree",
@@ -393,10 +394,17 @@ def _column_name(group: int, channel: int) -> str:
 
 
 def write_recombination(tree, matrices: np.ndarray):
-    """Write (groups, 3, p) matrices into the sockets of a recombination group."""
-    for group, matrix in enumerate(matrices):
+    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them are let alone."""
+    for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):
         for channel, column in enumerate(matrix.T):
-            tree.nodes[_column_name(group, channel)].inputs[0].default_value = column
+            socket = tree.nodes[_column_name(group, channel)].inputs[0]
+            if not np.array_equal(socket.default_value, column):
+                socket.default_value = column
+
+
+def matrix_sockets(tree) -> list:
+    """The sockets of a recombination group that hold its matrices, by group and channel."""
+    return [node.inputs[0] for node in tree.nodes if node.name.startswith("matrix ")]
 
 
 def clear_orphans():

@@ -1,14 +1,12 @@
 """What the panel's buttons do."""
 
-from functools import cache
-
 import bpy
-from bpy.props import EnumProperty, IntProperty
 from bpy.types import Operator
+
+from . import dial, exr, inspector, mixer_operators
 
 __all__ = [
     "CLASSES",
-    "ChooseIlluminant",
     "RemoveSpectralRender",
     "SetUpSpectralRender",
     "register",
@@ -55,35 +53,14 @@ class RemoveSpectralRender(Operator):
         return {"FINISHED"}
 
 
-@cache  # Blender keeps no reference to the strings
-def _illuminants():
-    from ..core import library
-
-    return [(name, name, family) for family, names in library.illuminants().items() for name in names]
-
-
-class ChooseIlluminant(Operator):
-    """Choose the spectrum of the lamps in this light group. The picture follows without rendering"""
-
-    # An operator, because Blender's own search field leaves no undo step
-    bl_idname = "relume.choose_illuminant"
-    bl_label = "Illuminant"
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
-    bl_property = "illuminant"
-
-    illuminant: EnumProperty(name="Illuminant", items=lambda self, context: _illuminants())
-    group: IntProperty(options={"HIDDEN"})
-
-    def invoke(self, context, event):
-        context.window_manager.invoke_search_popup(self)
-        return {"INTERFACE"}
-
-    def execute(self, context):
-        context.scene.relume.light_groups[self.group].illuminant = self.illuminant
-        return {"FINISHED"}
-
-
-CLASSES = (SetUpSpectralRender, RemoveSpectralRender, ChooseIlluminant)
+CLASSES = (
+    SetUpSpectralRender,
+    RemoveSpectralRender,
+    *mixer_operators.CLASSES,
+    *dial.CLASSES,
+    *inspector.CLASSES,
+    *exr.CLASSES,
+)
 
 
 def register():

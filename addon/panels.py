@@ -3,7 +3,7 @@
 import bpy
 from bpy.types import Panel
 
-from ..core.coefficients import EVERYTHING_ELSE
+from . import mixer_panels
 from .properties import AUTO
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -40,32 +40,15 @@ def _draw_mixer(layout, settings):
         text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({words})", icon="RENDER_STILL"
     )
     if plan.get("reason"):
-        _draw_words(layout, plan["reason"])
+        mixer_panels.words(layout, plan["reason"])
     if plan.get("request") != settings.request:
         row = layout.row()
         row.scale_y = 1.4
         row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
-    for index, group in enumerate(settings.light_groups):
-        _draw_light_group(layout, group, index)
-    if settings.problem:
-        _draw_words(layout, settings.problem, alert=True)
-    layout.prop(settings, "white_balance")
-    row = layout.row()
-    row.active = settings.white_balance > 0.0
-    row.prop(settings, "white_balance_method")
+    mixer_panels.draw(layout, settings)
     layout.separator()
     _draw_choice(layout, settings)
     layout.operator("relume.remove", icon="TRASH")
-
-
-def _draw_light_group(layout, group, index):
-    box = layout.box().column()
-    box.use_property_split = False
-    row = box.split(factor=0.55)
-    row.label(text=group.name, icon="WORLD" if group.name == EVERYTHING_ELSE else "LIGHT")
-    row.prop(group, "gain")
-    # The name of an illuminant can be long: it has the whole width
-    box.operator("relume.choose_illuminant", text=group.illuminant, icon="DOWNARROW_HLT").group = index
 
 
 def _draw_choice(layout, settings):
@@ -76,22 +59,16 @@ def _draw_choice(layout, settings):
     layout.prop(settings, "split_samples")
 
 
-def _draw_words(layout, words: str, alert: bool = False, width: int = 38):
-    """A sentence, wrapped so that a narrow sidebar does not cut it."""
-    column = layout.column(align=True)
-    column.alert = alert
-    line = ""
-    for word in words.split():
-        if len(line) + len(word) >= width:
-            column.label(text=line)
-            line = ""
-        line = f"{line} {word}".strip()
-    column.label(text=line)
-
-
 class SidebarPanel(_Relume, Panel):
     bl_idname = "VIEW3D_PT_relume"
     bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Relume"
+
+
+class ImagePanel(_Relume, Panel):
+    bl_idname = "IMAGE_PT_relume"
+    bl_space_type = "IMAGE_EDITOR"
     bl_region_type = "UI"
     bl_category = "Relume"
 
@@ -105,7 +82,7 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, RenderPanel)
+CLASSES = (SidebarPanel, ImagePanel, RenderPanel)
 
 
 def register():

@@ -7,6 +7,9 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from .mixer import CLASSES as MIXER_CLASSES
+from .mixer import LightGroup, Snapshot, mix_changed
+
 __all__ = [
     "AUTO",
     "CHANNELS",
@@ -43,6 +46,20 @@ SWITCHING = [
 ]
 
 
+FILE = "FILE"
+
+# The standard observers and the cameras that `core.library` knows
+OBSERVERS = [
+    ("CIE 1931 2°", "CIE 1931, 2°", "The standard observer of colorimetry: small things"),
+    ("CIE 1964 10°", "CIE 1964, 10°", "The supplementary observer: large surfaces"),
+    ("CIE 2015 2°", "CIE 2015, 2°", "From the cone fundamentals of 2006"),
+    ("CIE 2015 10°", "CIE 2015, 10°", "From the cone fundamentals of 2006, for large surfaces"),
+    ("Nikon 5100 (NPL)", "Camera: Nikon D5100", "Sensitivities measured at NPL"),
+    ("Sigma SDMerill (NPL)", "Camera: Sigma SD1 Merrill", "Sensitivities measured at NPL"),
+    (FILE, "From a File", "Three sensitivities in columns"),
+]
+
+
 def model_for(channels: str):
     """The factor model that an entry of `CHANNELS` stands for."""
     from ..core import bases
@@ -57,36 +74,34 @@ def _model_from(text: str):
     return FactorModel.from_dict(json.loads(text))
 
 
-def _mix_changed(self, context):
-    from . import setup
+def _observer_chosen(self, context):
+    """Read the file of an observer; what cannot be used is told, and the one that was read before stays."""
+    from ..core import files
 
-    setup.relight(self.id_data)
+    if not self.observer_path:
+        return
+    try:
+        found = files.observer(bpy.path.abspath(self.observer_path))
+    except ValueError as error:
+        self.problem = str(error)
+        return
+    self["observer_measured"] = json.dumps([spectrum.to_dict() for spectrum in found])
+    mix_changed(self, context)
 
 
-class LightGroup(PropertyGroup):
-    """One row of the mixer: a light group and what shines in it."""
+@lru_cache(maxsize=8)
+def _observer_from(text: str):
+    from ..core.spectrum import Spectrum, SpectrumError
 
-    name: StringProperty(name="Light Group")
-    illuminant: StringProperty(
-        name="Illuminant",
-        description="The spectrum of the lamps in this light group. Changing it changes the picture without rendering",
-        default="D65",
-        update=_mix_changed,
-    )
-    gain: FloatProperty(
-        name="Gain",
-        description="Brightness of this light group, as a multiple of what was rendered",
-        default=1.0,
-        min=0.0,
-        soft_max=4.0,
-        update=_mix_changed,
-    )
+    if not text:
+        raise SpectrumError("no file of an observer or camera has been read yet: choose one")
+    return tuple(Spectrum.from_dict(one) for one in json.loads(text))
 
-    def light(self):
-        """The `core.view.Light` of this row. Raises `LibraryError` for a name that no illuminant has."""
-        from ..core import library, view
 
-        return view.Light(library.illuminant(self.illuminant), self.gain)
+def _wiped(self, context):
+    from . import compositing
+
+    compositing.move_wipe(self.id_data, self.wipe)
 
 
 class SceneSettings(PropertyGroup):
@@ -130,15 +145,57 @@ class SceneSettings(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_mix_changed,
+        update=mix_changed,
     )
     white_balance_method: EnumProperty(
         name="Method",
         description="The space in which white balance scales its channels",
         items=[("bradford", "Bradford", "As in ICC profiles"), ("sharp", "Sharp", "Sharpened sensors, less skew")],
         default="bradford",
-        update=_mix_changed,
+        update=mix_changed,
     )
+    white_source: EnumProperty(
+        name="White Is",
+        description="What becomes white as far as the white balance says",
+        items=[
+            ("MIX", "All Light", "A white surface in the light of all groups together"),
+            ("GROUP", "A Light Group", "A white surface in the light of one group"),
+            ("PIXEL", "A Picked Pixel", "The spot that was picked in the picture, in whatever light"),
+        ],
+        default="MIX",
+        update=mix_changed,
+    )
+    white_group: StringProperty(
+        name="Group", description="The light group whose light becomes white", update=mix_changed
+    )
+    white_pixel: StringProperty(options={"HIDDEN"})
+    observer: EnumProperty(
+        name="Observer",
+        description="Whose eye, or which camera, sees the spectra",
+        items=OBSERVERS,
+        default=OBSERVERS[0][0],
+        update=mix_changed,
+    )
+    observer_path: StringProperty(
+        name="File",
+        description="A file with wavelengths in nm and three sensitivities, in columns. They are kept in the scene",
+        subtype="FILE_PATH",
+        update=_observer_chosen,
+    )
+    observer_measured: StringProperty(options={"HIDDEN"})
+    snapshots: CollectionProperty(type=Snapshot)
+    active_snapshot: IntProperty(name="Snapshot", description="A mix that is kept in this file")
+    comparing: StringProperty(options={"HIDDEN"})
+    wipe: FloatProperty(
+        name="Wipe",
+        description="Where the mixer's picture ends and the snapshot's begins, from the left",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_wiped,
+    )
+    exr: StringProperty(options={"HIDDEN"})
     problem: StringProperty(options={"SKIP_SAVE"})
 
     @property
@@ -162,11 +219,37 @@ class SceneSettings(PropertyGroup):
         return _model_from(self.id_data[MODEL])
 
     def lights(self) -> list:
-        """A `core.view.Light` for each row of the mixer."""
-        return [group.light() for group in self.light_groups]
+        """A `core.view.Light` for each row of the mixer, with its gain after solo and mute."""
+        from ..core import mixing, view
+
+        rows = self.light_groups
+        gains = mixing.gains([row.stops for row in rows], [row.solo for row in rows], [row.mute for row in rows])
+        return [view.Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
+
+    def seen_by(self):
+        """The observer, as `core.view` takes it. Raises SpectrumError for a file that was not read."""
+        return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
+
+    def white(self, model, lights):
+        """(3,) XYZ of what becomes white, None for the white of the mix. Raises ValueError."""
+        from ..core import view
+
+        names = [row.name for row in self.light_groups]
+        if self.white_source == "GROUP":
+            if self.white_group not in names:
+                raise ValueError(f"white balance: no light group {self.white_group!r}; choose one")
+            return view.mixed_white(
+                [view.Light(lights[names.index(self.white_group)].illuminant)], model, self.seen_by()
+            )
+        if self.white_source == "PIXEL":
+            picked = json.loads(self.white_pixel or "{}")
+            if set(picked) != set(names) or any(len(c) != model.channels for c in picked.values()):
+                raise ValueError("white balance: no pixel of this render has been picked; pick one in the picture")
+            return view.color_of([picked[name] for name in names], model, lights, self.seen_by())
+        return None
 
 
-CLASSES = (LightGroup, SceneSettings)
+CLASSES = (*MIXER_CLASSES, SceneSettings)
 
 
 def register():

@@ -10,7 +10,7 @@ import bpy
 
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
-from . import passes
+from . import passes, setup
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
 
@@ -49,17 +49,21 @@ def render(scene, folder: Path, progress: Callable[[int, float], None] | None = 
     for layer in layers:
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
     settings = scene.relume
+    chosen = setup.lighting(scene)
+    lights = dict(zip(groups, chosen["lights"], strict=True))
     return Rendered(
         CoefficientImage(
             model=settings.model(),
             groups=channels,
-            illuminants={group.name: group.light().illuminant for group in settings.light_groups},
+            illuminants={group: light.illuminant for group, light in lights.items()},
             alpha=alpha,
             space=bpy.data.colorspace.working_space,
             white_balance=settings.white_balance,
             white_balance_method=settings.white_balance_method,
             view=_view_of(scene),
-            gains={group.name: group.gain for group in settings.light_groups},
+            gains={group: light.gain for group, light in lights.items()},
+            white=None if chosen["white"] is None else tuple(map(float, chosen["white"])),
+            observer=chosen["observer"],
         ),
         times,
     )

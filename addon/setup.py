@@ -4,12 +4,36 @@ import json
 
 import bpy
 
-from ..core import grouping, plan, sampling, view
+from ..core import drawing, grouping, plan, sampling, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
-from . import compositing, content, glass, inventory, lights, nodes, passes, properties, remarks, sockets, spectra
+from . import (
+    compositing,
+    content,
+    glass,
+    inventory,
+    lights,
+    mixer,
+    nodes,
+    passes,
+    properties,
+    remarks,
+    sockets,
+    spectra,
+)
+from .icons import CURVE
 
-__all__ = ["SetupError", "lighting", "relight", "remove", "sampling_for", "set_up"]
+__all__ = [
+    "SetupError",
+    "follow",
+    "lighting",
+    "matrices_of",
+    "relight",
+    "remove",
+    "sampling_for",
+    "set_up",
+    "set_up_afresh",
+]
 
 _BEFORE = "relume_before"  # what the scene's own settings were
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
@@ -65,7 +89,7 @@ def _set_up(scene, model: FactorModel):
     _convert_colors(scene, groups, model)
     passes.add(scene, model, groups, _share_samples(scene, model))
     compositing.add(scene, groups)
-    _write_lighting(scene)
+    relight(scene)
 
 
 def _sync_light_groups(scene) -> list[str]:
@@ -86,7 +110,11 @@ def _forget_untouched_rows(settings):
     """Drop the rows of the mixer in which the artist chose nothing; what was chosen is there when set up again."""
     rows = settings.light_groups
     for index in reversed(range(len(rows))):
-        if not (rows[index].is_property_set("illuminant") or rows[index].is_property_set("gain")):
+        rows[index].property_unset("swatch")
+        rows[index].property_unset("is_open")
+        if CURVE in rows[index]:
+            del rows[index][CURVE]
+        if not mixer.is_touched(rows[index]):
             rows.remove(index)
     if not rows:
         settings.property_unset("light_groups")
@@ -193,39 +221,92 @@ def _take_back_illuminants(scene):
         del scene[_GIVEN]
 
 
-def lighting(scene) -> dict:
-    """The keyword arguments that the functions of `core.view` take from a scene."""
-    settings = scene.relume
+def lighting(scene, settings=None) -> dict:
+    """The keyword arguments that the functions of `core.view` take from a scene.
+
+    settings: those of the scene as evaluated at a frame, if not the scene's own.
+    """
+    settings = settings or scene.relume
+    lights = settings.lights()
     return {
-        "lights": settings.lights(),
+        "lights": lights,
         "white_balance": settings.white_balance,
         "method": settings.white_balance_method,
         "space": bpy.data.colorspace.working_space,
+        "white": settings.white(scene.relume.model(), lights) if settings.white_balance > 0.0 else None,
+        "observer": settings.seen_by(),
     }
 
 
-def _write_lighting(scene):
-    """Write the chosen illuminants into the compositor and the preview: numbers only."""
-    model, chosen = scene.relume.model(), lighting(scene)
-    matrices = view.recombination_matrices(model, **chosen)
-    compositing.write_matrices(scene, matrices, [group.name for group in scene.relume.light_groups])
-    shown = view.preview(model, **chosen)
-    for layer in passes.preview_layers(scene):
-        passes.write_view(layer, shown)
+def _write_lighting(scene, settings=None):
+    """Write the chosen illuminants into the compositor and the preview: numbers only, and only those that changed."""
+    model, chosen = scene.relume.model(), lighting(scene, settings)
+    compositing.write_matrices(scene, view.recombination_matrices(model, **chosen))
+    layers = passes.preview_layers(scene)
+    if layers:
+        shown = view.preview(model, **chosen)
+        for layer in layers:
+            passes.write_view(layer, shown)
+    return chosen
+
+
+def _draw_swatches(scene, lights):
+    """Keep with each row what its icon shows, so that the panel has to compute nothing."""
+    for row, light in zip(scene.relume.light_groups, lights, strict=True):
+        curve = drawing.curve(light.illuminant).tolist()
+        if list(row.get(CURVE, ())) != curve:
+            row[CURVE] = curve
+            row["swatch"] = drawing.swatch(light.illuminant).tolist()
 
 
 def relight(scene):
-    """Show the illuminants that the mixer now says. A name that is no illuminant changes nothing and is told."""
+    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture and is told.
+
+    Never raises: Blender calls it while a property changes.
+    """
     settings = scene.relume
     if not settings.is_set_up:
         return
     try:
-        _write_lighting(scene)
+        chosen = _write_lighting(scene)
     except (LibraryError, ValueError) as error:
         settings["problem"] = str(error)
     else:
         settings["problem"] = ""
+        _draw_swatches(scene, chosen["lights"])
     scene.update_tag()
+
+
+def matrices_of(scene, chosen: dict):
+    """(groups, 3, p) recombination matrices of a mix that `mixer.choices` kept. The mixer stays as it is.
+
+    Raises ValueError where the mix cannot be shown.
+    """
+    settings = scene.relume
+    now = mixer.choices(settings)
+    with mixer.quiet():
+        try:
+            mixer.apply(settings, chosen)
+            return view.recombination_matrices(settings.model(), **lighting(scene))
+        except LibraryError as error:
+            raise ValueError(str(error)) from error
+        finally:
+            mixer.apply(settings, now)
+
+
+def follow(scene, settings):
+    """Show the mix of `settings`, the scene's own as a frame of an animation evaluates them. Never raises."""
+    try:
+        _write_lighting(scene, settings)
+    except (LibraryError, ValueError) as error:
+        scene.relume["problem"] = str(error)
+
+
+def set_up_afresh(scene):
+    """Set a scene up again after its light groups changed: with the model that it has."""
+    chosen = scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
+    set_up(scene, scene.relume.model())
+    scene[properties.PLAN] = chosen
 
 
 def remove(scene):
@@ -235,6 +316,8 @@ def remove(scene):
     _give_settings_back(scene)
     _take_back_illuminants(scene)
     _forget_untouched_rows(scene.relume)
+    for name in ("problem", "comparing"):
+        scene.relume.property_unset(name)
     remarks.clear(scene)
     for key in (properties.MODEL, properties.PLAN):
         if key in scene:

@@ -8,7 +8,7 @@ lamps of 1. The picture under any illuminants is a sum of 3×p matrices times th
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,8 @@ __all__ = [
     "CoefficientImage",
     "CoefficientImageError",
     "bottom_up_rgba",
+    "channel_names",
+    "describe",
     "read",
     "read_render",
     "read_render_times",
@@ -204,7 +206,7 @@ def _seconds(clock: str) -> float:
     return seconds
 
 
-def _channel_names(group: str, channels: int) -> list[str]:
+def channel_names(group: str, channels: int) -> list[str]:
     """Layer, pass and channel as Blender names them, so that its compositor can read the file as well."""
     return [f"Coefficients {k // 3 + 1}.{group}.{'RGB'[k % 3]}" for k in range(channels)]
 
@@ -229,7 +231,7 @@ def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> Non
     }
     names = ["R", "G", "B", "A"]
     for group in image.groups:
-        names += _channel_names(group, image.model.channels)
+        names += channel_names(group, image.model.channels)
     pixels = np.concatenate([picture, image.alpha[..., None], *image.groups.values()], axis=-1, dtype=np.float32)
     _write_exr(Path(path), pixels, names, {_HEADER: json.dumps(header), "BlenderMultiChannel": "Relume"})
 
@@ -256,42 +258,64 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
         partial.unlink(missing_ok=True)
 
 
-def read(path: str | Path) -> CoefficientImage:
-    """Read a coefficient image that `write` wrote; CoefficientImageError says what the file lacks."""
-    path = Path(path)
-    header = None
-    for _, spec, _ in _parts(path):
-        header = spec.getattribute(_HEADER)
-        break
+def _described(path: Path) -> tuple[dict, tuple[int, int]]:
+    """The Relume header of an EXR and its (width, height)."""
+    _, spec, _ = next(iter(_parts(path)))
+    header = spec.getattribute(_HEADER)
     if header is None:
         raise CoefficientImageError(f"{path}: no Relume header; expected an EXR that `relume render` wrote")
     try:
         header = json.loads(header)
-        if header["version"] > _VERSION:
-            raise CoefficientImageError(f"{path}: written by a newer Relume (format {header['version']})")
-        model = FactorModel.from_dict(header["model"])
-        illuminants = {group: Spectrum.from_dict(data) for group, data in header["illuminants"].items()}
-        groups = header["groups"]
+        version = header["version"]
     except (KeyError, TypeError, json.JSONDecodeError) as error:
         raise CoefficientImageError(f"{path}: the Relume header is damaged ({error})") from error
-    wanted = {name for group in groups for name in _channel_names(group, model.channels)}
-    channels = _channels(path, (wanted | {"A"}).__contains__)
-    missing = sorted((wanted | {"A"}) - set(channels))
+    if version > _VERSION:
+        raise CoefficientImageError(f"{path}: written by a newer Relume (format {version})")
+    return header, (spec.width, spec.height)
+
+
+def _image(path: Path, header: dict, groups: Mapping[str, np.ndarray], alpha: np.ndarray) -> CoefficientImage:
+    try:
+        return CoefficientImage(
+            model=FactorModel.from_dict(header["model"]),
+            groups=groups,
+            illuminants={group: Spectrum.from_dict(data) for group, data in header["illuminants"].items()},
+            alpha=alpha,
+            space=header["space"],
+            white_balance=header["white_balance"],
+            white_balance_method=header["white_balance_method"],
+            view=header["view"],
+            gains=header["gains"],
+            white=header.get("white"),
+            observer=_observer(header.get("observer", OBSERVER)),
+        )
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise CoefficientImageError(f"{path}: the Relume header is damaged ({error})") from error
+
+
+def describe(path: str | Path) -> CoefficientImage:
+    """What `read` reads, with groups and alpha of the right shapes that hold zeros and take no memory."""
+    path = Path(path)
+    header, (width, height) = _described(path)
+    nothing = np.float32(0.0)
+    image = _image(path, header, {}, np.broadcast_to(nothing, (height, width)))
+    shape = (height, width, image.model.channels)
+    return replace(image, groups={group: np.broadcast_to(nothing, shape) for group in header["groups"]})
+
+
+def read(path: str | Path) -> CoefficientImage:
+    """Read a coefficient image that `write` wrote; CoefficientImageError says what the file lacks."""
+    path = Path(path)
+    header, _ = _described(path)
+    empty = _image(path, header, {}, np.empty((0, 0)))
+    names = {group: channel_names(group, empty.model.channels) for group in header["groups"]}
+    wanted = {name for each in names.values() for name in each} | {"A"}
+    channels = _channels(path, wanted.__contains__)
+    missing = sorted(wanted - set(channels))
     if missing:
         raise CoefficientImageError(f"{path}: channel {missing[0]!r} is missing")
-    return CoefficientImage(
-        model=model,
-        groups={g: np.stack([channels[n] for n in _channel_names(g, model.channels)], axis=-1) for g in groups},
-        illuminants=illuminants,
-        alpha=channels["A"],
-        space=header["space"],
-        white_balance=header["white_balance"],
-        white_balance_method=header["white_balance_method"],
-        view=header["view"],
-        gains=header["gains"],
-        white=header.get("white"),
-        observer=_observer(header.get("observer", OBSERVER)),
-    )
+    groups = {group: np.stack([channels[name] for name in each], axis=-1) for group, each in names.items()}
+    return replace(empty, groups=groups, alpha=channels["A"])
 
 
 def _observer(described):

@@ -7,9 +7,9 @@ from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_to_xyz
 from .view import srgb_encoded
 
-__all__ = ["curve", "icon", "plot", "swatch"]
+__all__ = ["circle", "curve", "icon", "plot", "ribbon", "swatch"]
 
-_OVERSAMPLING = 4
+_OVERSAMPLING = 2
 
 
 def swatch(illuminant: Spectrum) -> np.ndarray:
@@ -60,6 +60,22 @@ def plot(values: np.ndarray, width: int = 256, height: int = 96) -> np.ndarray:
     picture[..., :3] = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
     picture[..., 3] = np.where(rows < 0.96 * heights + 0.015, 1.0, 0.12)
     return _reduced(picture).astype(np.float32)
+
+
+def ribbon(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A strip of triangles that fills the area under a curve (n,): places (2n, 2) in 0..1 and colours (2n, 4)."""
+    values = np.asarray(values, float)
+    across = np.linspace(0.0, 1.0, len(values))
+    places = np.stack([np.stack([across, np.zeros(len(values))], 1), np.stack([across, values], 1)], 1).reshape(-1, 2)
+    colors = np.ones((len(values), 4))
+    colors[:, :3] = _rainbow(WAVELENGTHS[0] + across * (WAVELENGTHS[-1] - WAVELENGTHS[0]))
+    return places, np.repeat(colors, 2, axis=0)
+
+
+def circle(count: int) -> np.ndarray:
+    """(count, 2) points of the unit circle."""
+    angles = 2 * np.pi * np.arange(count) / count
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _rainbow(wavelengths: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .spectrum import Spectrum, SpectrumError
 
-__all__ = ["read", "write"]
+__all__ = ["illuminant", "observer", "read", "write"]
 
 LIMITS = (100.0, 5000.0)  # nm; a first column outside is not wavelengths in nanometres
 
@@ -36,6 +36,28 @@ def read(path, kind="reflectance"):
     if not spectra:
         raise SpectrumError(f"{path}: holds no spectra")
     return spectra
+
+
+def illuminant(path):
+    """The one illuminant in a file -> Spectrum of kind "illuminant". Raises SpectrumError, also for negative power."""
+    found = read(path, kind="illuminant")
+    if len(found) > 1:
+        raise SpectrumError(f"{path}: holds {len(found)} spectra; an illuminant's file holds one")
+    (lamp,) = found
+    if (lamp.values < 0).any():
+        first = lamp.wavelengths[np.argmax(lamp.values < 0)]
+        raise SpectrumError(f"{path}: the power at {first:g} nm is negative; an illuminant's is 0 or more")
+    if not (lamp.sampled() > 0).any():
+        raise SpectrumError(f"{path}: no power between 380 and 780 nm")
+    return lamp
+
+
+def observer(path):
+    """Three sensitivities in a file, red, green, blue or x, y, z -> tuple of Spectrum. Raises SpectrumError."""
+    found = read(path, kind="sensitivity")
+    if len(found) != 3:
+        raise SpectrumError(f"{path}: holds {len(found)} spectra; an observer or camera has three sensitivities")
+    return tuple(found)
 
 
 def write(path, spectra):

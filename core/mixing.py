@@ -35,7 +35,7 @@ def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) ->
     return np.where(heard, np.exp2(np.asarray(stops, float)), 0.0)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=4096)
 def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
     """The illuminant of several lamps, each with its part of the luminance of a white that they light.
 

@@ -25,6 +25,7 @@ __all__ = [
     "ViewLayerNumbers",
     "adaptation",
     "coefficient_pass",
+    "color_of",
     "daylight_rgb",
     "display_primaries",
     "for_passes",
@@ -136,7 +137,7 @@ def _normalised(weights: np.ndarray) -> np.ndarray:
     return weights / weights[:, 1].sum()
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=4096)
 def relight_matrix(model: FactorModel, illuminant: Spectrum, observer=OBSERVER) -> np.ndarray:
     """(3, p), read-only: coefficients to the XYZ of a display, as `observer` sees them under `illuminant`.
 
@@ -154,6 +155,12 @@ def mixed_white(lights: Sequence[Light], model: FactorModel, observer=OBSERVER) 
         if light.gain > 0.0:
             white += light.gain * relight_matrix(model, light.illuminant, observer).sum(axis=1)
     return white / white[1] if white[1] > 0.0 else rgb_to_xyz("Linear Rec.709").sum(axis=1)
+
+
+def color_of(coefficients, model: FactorModel, lights: Sequence[Light], observer=OBSERVER) -> np.ndarray:
+    """(..., 3) XYZ of coefficients (groups, ..., p) under the lights of their groups, before white balance."""
+    matrices = [light.gain * relight_matrix(model, light.illuminant, observer) for light in lights]
+    return sum(np.asarray(each) @ matrix.T for each, matrix in zip(coefficients, matrices, strict=True))
 
 
 def _balanced(lights: Sequence[Light], model, degree: float, method: str, space: str, white, observer) -> np.ndarray:

@@ -1,0 +1,93 @@
+"""What Relume does when Blender changes, renders or saves a scene: the compositor follows an animated mixer."""
+
+import bpy
+from bpy.app.handlers import persistent
+
+__all__ = ["register", "unregister"]
+
+_followed = {}  # scene's session id: the mix that its sockets show
+
+
+def _mix(settings) -> tuple:
+    """All animatable values of the mixer, to see whether they changed."""
+    rows = tuple(
+        (row.source, row.temperature, row.cct, row.stops, row.solo, row.mute, tuple(part.weight for part in row.blend))
+        for row in settings.light_groups
+    )
+    balance = (settings.white_balance, settings.white_balance_method, settings.white_source, settings.observer)
+    return rows, balance, settings.wipe
+
+
+def _follow(scene, depsgraph):
+    from . import compositing, setup
+
+    if not scene.relume.is_set_up or scene.animation_data is None:
+        return
+    settings = scene.evaluated_get(depsgraph).relume
+    mix = _mix(settings)
+    if _followed.get(scene.session_uid) == mix:
+        return
+    _followed[scene.session_uid] = mix
+    setup.follow(scene, settings)
+    compositing.move_wipe(scene, settings.wipe)
+
+
+@persistent
+def _frame_changed(scene, depsgraph):
+    _followed.pop(scene.session_uid, None)
+    _follow(scene, depsgraph)
+
+
+@persistent
+def _depsgraph_updated(scene, depsgraph):
+    _follow(scene, depsgraph)
+
+
+@persistent
+def _bake(scene, *_):
+    from . import baking
+
+    if scene.relume.is_set_up and baking.is_animated(scene):
+        baking.bake(scene)
+
+
+@persistent
+def _forget(scene, *_):
+    from . import baking
+
+    baking.forget(scene)
+
+
+@persistent
+def _bake_all(*_):
+    for scene in bpy.data.scenes:
+        _bake(scene)
+
+
+@persistent
+def _forget_all(*_):
+    _followed.clear()
+    for scene in bpy.data.scenes:
+        _forget(scene)
+
+
+_HANDLERS = (
+    ("frame_change_post", _frame_changed),
+    ("depsgraph_update_post", _depsgraph_updated),
+    ("render_init", _bake),
+    ("render_complete", _forget),
+    ("render_cancel", _forget),
+    ("save_pre", _bake_all),
+    ("save_post", _forget_all),
+    ("load_post", _forget_all),
+)
+
+
+def register():
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(function)
+
+
+def unregister():
+    for name, function in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(function)

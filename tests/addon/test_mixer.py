@@ -1,0 +1,302 @@
+"""The mixer: groups, gains, illuminants, white balance, animation, snapshots, EXRs relit in the compositor."""
+
+import json
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from dump import differences, dump
+from test_render import close, composite, read_exr
+
+from relume.addon import baking, compositing, exr, groups, mixer, nodes, render, setup
+from relume.core import bases, coefficients, library, mixing, sequences, view
+
+
+@pytest.fixture
+def ready(room):
+    """The room, set up with few channels; returns its scene."""
+    setup.set_up(room, bases.fitted(6))
+    return room
+
+
+def sockets(scene) -> np.ndarray:
+    """(groups, p, 3) numbers in the recombination."""
+    tree = compositing.recombinations(scene)[0].node_tree
+    values = np.array([socket.default_value for socket in nodes.matrix_sockets(tree)])
+    return values.reshape(len(scene.relume.light_groups), -1, 3)
+
+
+def expected(scene, lights, **options) -> np.ndarray:
+    return view.recombination_matrices(scene.relume.model(), lights, **options).transpose(0, 2, 1)
+
+
+def test_stops_solo_and_mute_reach_the_sockets(ready):
+    tungsten, fluorescent = ready.relume.light_groups
+    whole = sockets(ready)
+    tungsten.stops = -2.0
+    assert np.allclose(sockets(ready), whole * np.array([0.25, 1.0])[:, None, None], rtol=1e-5)
+    tungsten.solo = True
+    assert np.allclose(sockets(ready), whole * np.array([0.25, 0.0])[:, None, None], rtol=1e-5)
+    tungsten.mute = True
+    assert not sockets(ready).any()
+    tungsten.solo = tungsten.mute = False
+    fluorescent.mute = True
+    assert np.allclose(sockets(ready), whole * np.array([0.25, 0.0])[:, None, None], rtol=1e-5)
+
+
+def test_every_kind_of_illuminant_reaches_the_sockets(ready, tmp_path):
+    row, other = ready.relume.light_groups
+    lamp = tmp_path / "lamp.csv"
+    lamp.write_text("nm,power\n" + "\n".join(f"{w},{w - 300}" for w in range(380, 785, 5)))
+    row.temperature, row.cct = 3400, 7500
+    row.path = str(lamp)
+    row.source = "BLEND"
+    assert [part.illuminant for part in row.blend] == ["A", "D65"], "a blend starts with what shone, and daylight"
+    row.blend[1].weight = 3.0
+    ramp = np.linspace(80, 480, 81)
+    spectra = {
+        "LIBRARY": library.illuminant("A"),
+        "PLANCKIAN": library.illuminant("Planckian 3400 K"),
+        "DAYLIGHT": library.illuminant("D 7500 K"),
+        "FILE": library.Spectrum(np.arange(380.0, 785.0, 5.0), ramp, kind="illuminant"),
+        "BLEND": mixing.blend(((library.illuminant("A"), 1.0), (library.illuminant("D65"), 3.0))),
+    }
+    for source, spectrum in spectra.items():
+        row.source = source
+        assert ready.relume.problem == ""
+        assert np.allclose(sockets(ready), expected(ready, [view.Light(spectrum), other.light()]), atol=1e-5), source
+    lamp.unlink()
+    row.source = "FILE"
+    assert ready.relume.problem == "", "the spectrum of a file is kept in the scene"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("nm,power\n400,1\n500,-2\n600,1\n", "the power at 500 nm is negative"),
+        ("nm,power\n400,1\n500,\n600,1\n", "line 3: '' is not a number"),
+        ("nm,power\n800,1\n900,1\n", "no power between 380 and 780 nm"),
+        ("nm,a,b\n400,1,1\n500,1,1\n", "holds 2 spectra"),
+    ],
+)
+def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_path, text, words):
+    row = ready.relume.light_groups[0]
+    good, bad = tmp_path / "good.csv", tmp_path / "bad.csv"
+    good.write_text("nm,power\n400,1\n700,2\n")
+    bad.write_text(text)
+    row.path, row.source = str(good), "FILE"
+    before = sockets(ready)
+    row.path = str(bad)
+    assert words in ready.relume.problem and "bad.csv" in ready.relume.problem
+    assert np.array_equal(sockets(ready), before)
+
+
+def test_white_balance_to_a_group_to_a_pixel_and_in_part(ready):
+    settings = ready.relume
+    settings.white_balance = 1.0
+    settings.white_source, settings.white_group = "GROUP", "tungsten"
+    white = sockets(ready)[0].sum(axis=0)  # of a perfect white under the tungsten lamp
+    assert np.ptp(white) < 1e-4 * white.mean()
+    grey = {name: [0.3] * 6 for name in ("tungsten", "fluorescent")}
+    red = {name: [0.1, 0.1, 0.1, 0.2, 0.4, 0.5] for name in grey}
+    for spot in (grey, red):
+        settings.white_pixel, settings.white_source = json.dumps(spot), "PIXEL"
+        seen = np.einsum("gpj,gp->j", sockets(ready), np.array(list(spot.values())))
+        assert np.ptp(seen) < 1e-3 * seen.mean()
+    settings.light_groups[0].illuminant = "FL11"
+    seen = np.einsum("gpj,gp->j", sockets(ready), np.array(list(red.values())))
+    assert np.ptp(seen) < 1e-3 * seen.mean(), "a picked spot stays white when the light changes"
+    settings.white_source, settings.white_group = "GROUP", "moon"
+    assert "no light group 'moon'" in settings.problem
+
+
+@pytest.mark.parametrize("observer", ["CIE 1964 10°", "Nikon 5100 (NPL)"])
+def test_white_in_daylight_is_white_to_every_observer(ready, observer):
+    for row in ready.relume.light_groups:
+        row.illuminant = "D65"
+    plain = sockets(ready)
+    ready.relume.observer = observer
+    white = sockets(ready).sum(axis=1)
+    assert np.allclose(white, 1.0, atol=2e-3)
+    assert np.abs(sockets(ready) - plain).max() > 1e-3
+
+
+def test_renaming_a_group_keeps_its_members_and_its_picture(ready, tmp_path):
+    before = composite(ready, tmp_path / "a.exr")
+    ready.relume.light_groups["tungsten"].name = "warm.lamp"
+    assert [row.name for row in ready.relume.light_groups] == ["warm_lamp", "fluorescent"]
+    assert bpy.data.objects["tungsten"].lightgroup == "warm_lamp"
+    assert close(composite(ready, tmp_path / "b.exr"), before)
+    ready.relume.light_groups["warm_lamp"].name = "fluorescent"
+    assert [row.name for row in ready.relume.light_groups] == ["fluorescent 2", "fluorescent"], "no two share a name"
+
+
+def test_groups_by_light_and_by_collection(ready):
+    tungsten = ready.relume.light_groups["tungsten"]
+    tungsten.stops, tungsten.illuminant = 1.5, "HP1"
+    assert groups.regroup(ready, "COLLECTION") == 1
+    assert groups.regroup(ready, "LIGHT") == 2
+    assert {row.name for row in ready.relume.light_groups} == {"tungsten", "fluorescent"}
+    assert all((row.illuminant, row.stops) == ("HP1", 1.5) for row in ready.relume.light_groups)
+    assert groups.regroup(ready, "ILLUMINANT") == 1, "what shines alike shares a group"
+    assert np.allclose(sockets(ready), expected(ready, ready.relume.lights()), atol=1e-5)
+
+
+def test_a_group_without_lights_is_offered_for_removal(ready):
+    assert groups.empty(ready) == []
+    assert groups.add(ready, "fluorescent", [bpy.data.objects["tungsten"]]) == 1
+    assert [row.name for row in ready.relume.light_groups] == ["fluorescent"]
+    ready.relume.light_groups[0].stops = 1.0
+    bpy.data.objects["tungsten"].lightgroup = bpy.data.objects["fluorescent"].lightgroup = "new"
+    assert groups.empty(ready) == ["fluorescent"]
+    assert groups.remove_empty(ready) == ["fluorescent"]
+    assert [row.name for row in ready.relume.light_groups] == ["new"]
+
+
+def animate(scene):
+    """Tungsten fades from daylight to sodium within ten frames, fluorescent dims."""
+    row = scene.relume.light_groups["tungsten"]
+    row.source = "BLEND"
+    row.blend[0].illuminant, row.blend[1].illuminant = "D65", "Sodium (low pressure)"
+    for frame, weights in ((1, (1.0, 0.0)), (10, (0.0, 1.0))):
+        for part, weight in zip(row.blend, weights, strict=True):
+            part.weight = weight
+            part.keyframe_insert("weight", frame=frame)
+    other = scene.relume.light_groups["fluorescent"]
+    for frame, stops in ((1, 0.0), (10, -3.0)):
+        other.stops = stops
+        other.keyframe_insert("stops", frame=frame)
+
+
+def test_the_compositor_follows_an_animated_mix(ready, tmp_path):
+    animate(ready)
+    pictures = {}
+    for frame in (1, 10):
+        ready.frame_set(frame)
+        assert np.allclose(sockets(ready), expected(ready, ready.relume.lights()), atol=1e-5)
+        pictures[frame] = composite(ready, tmp_path / f"{frame}.exr")
+    ready.frame_set(5)
+    ready.frame_start, ready.frame_end, ready.frame_step = 1, 10, 9
+    ready.render.filepath = str(tmp_path / "anim_")
+    bpy.ops.render.render(animation=True)
+    for frame, picture in pictures.items():
+        assert close(read_exr(tmp_path / f"anim_{frame:04d}.exr"), picture), frame
+
+
+def test_the_compositor_follows_a_driver(ready):
+    ready["dimmer"] = 0.0
+    driver = ready.driver_add("relume.light_groups[0].stops").driver
+    driver.variables.new().name = "d"
+    driver.variables["d"].type = "SINGLE_PROP"
+    target = driver.variables["d"].targets[0]
+    target.id_type, target.id, target.data_path = "SCENE", ready, '["dimmer"]'
+    driver.expression = "d"
+    bpy.context.view_layer.update()
+    whole = sockets(ready)
+    ready["dimmer"] = -1.0
+    ready.update_tag()
+    bpy.context.view_layer.update()
+    assert np.allclose(sockets(ready)[0], 0.5 * whole[0], rtol=1e-4)
+    assert np.allclose(sockets(ready)[1], whole[1], rtol=1e-4)
+
+
+def test_a_saved_animated_mix_renders_the_same_without_relume(ready, tmp_path):
+    animate(ready)
+    ready.frame_start, ready.frame_end = 1, 10
+    ready.frame_set(7)
+    here = composite(ready, tmp_path / "here.exr")
+    ready.frame_set(1)
+    saved = tmp_path / "saved.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(saved))
+    assert not baking.is_baked(ready), "the keyframes are in the file, not in the session"
+    script = (
+        "import bpy, sys\n"
+        f"bpy.ops.wm.open_mainfile(filepath={str(saved)!r})\n"
+        "assert not hasattr(bpy.types.Scene, 'relume')\n"
+        f"bpy.context.scene.render.filepath = {str(tmp_path / 'elsewhere.exr')!r}\n"
+        "bpy.context.scene.frame_set(7)\n"
+        "bpy.ops.render.render(write_still=True)\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, cwd=tmp_path)
+    assert close(read_exr(tmp_path / "elsewhere.exr"), here)
+
+
+def test_snapshots_keep_a_mix_and_are_compared_by_a_wipe(ready, tmp_path):
+    settings = ready.relume
+    before = composite(ready, tmp_path / "a.exr")
+    assert bpy.ops.relume.take_snapshot() == {"FINISHED"}
+    settings.light_groups["tungsten"].source = "PLANCKIAN"
+    settings.light_groups["fluorescent"].stops = -2.0
+    settings.white_balance = 0.7
+    after = composite(ready, tmp_path / "b.exr")
+    assert not close(before, after)
+    settings.wipe = 0.25
+    assert bpy.ops.relume.compare() == {"FINISHED"}
+    both = composite(ready, tmp_path / "c.exr")
+    edge = both.shape[1] // 4
+    assert close(both[:, : edge - 1], after[:, : edge - 1]) and close(both[:, edge + 1 :], before[:, edge + 1 :])
+    assert bpy.ops.relume.compare() == {"FINISHED"}
+    assert close(composite(ready, tmp_path / "d.exr"), after)
+    assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert close(composite(ready, tmp_path / "e.exr"), before)
+
+
+def test_removing_while_comparing_gives_the_room_back(room):
+    before = dump()
+    setup.set_up(room, bases.fitted(6))
+    bpy.ops.relume.take_snapshot()
+    bpy.ops.relume.compare()
+    setup.remove(room)
+    room.relume.snapshots.clear()
+    room.relume.property_unset("snapshots")
+    room.relume.property_unset("comparing")
+    assert differences(before, dump()) == []
+
+
+def test_write_to_lights_makes_the_mix_the_lighting(ready, tmp_path):
+    ready.relume.light_groups["tungsten"].stops = -1.0
+    mixed = composite(ready, tmp_path / "a.exr")
+    assert groups.write_gains(ready) == []
+    assert ready.relume.light_groups["tungsten"].stops == 0.0
+    lit = composite(ready, tmp_path / "b.exr")
+    assert abs(lit.mean() / mixed.mean() - 1.0) < 0.05
+
+
+def test_relighting_an_exr_in_the_compositor(ready, tmp_path):
+    image = render.render(ready, tmp_path).image
+    lights = dict(zip(image.groups, ready.relume.lights(), strict=True))
+    path = tmp_path / "shot.exr"
+    coefficients.write(path, image, render.picture(image, lights))
+    scene = exr.new_scene(path)
+    assert close(composite(scene, tmp_path / "same.exr"), render.picture(image, lights), 1e-3)
+    scene.relume.light_groups["tungsten"].source = "LIBRARY"
+    scene.relume.light_groups["tungsten"].illuminant = "HP1"
+    lights["tungsten"] = view.Light(library.illuminant("HP1"))
+    assert close(composite(scene, tmp_path / "other.exr"), render.picture(image, lights), 1e-3)
+
+
+def test_an_exr_of_other_groups_is_refused_and_nothing_changes(ready, tmp_path):
+    image = render.render(ready, tmp_path).image
+    picture = next(iter(image.groups.values()))[..., :3]
+    path, other = tmp_path / "a.exr", tmp_path / "b.exr"
+    coefficients.write(path, image, picture)
+    renamed = coefficients.replace(
+        image,
+        groups={"moon": image.groups["tungsten"]},
+        illuminants={"moon": image.illuminants["tungsten"]},
+        gains={},
+    )
+    coefficients.write(other, renamed, picture)
+    scene = exr.new_scene(path)
+    before = mixer.choices(scene.relume)
+    with pytest.raises(coefficients.CoefficientImageError, match="has the light groups moon, the mixer has tungsten"):
+        exr.point_at(scene, other)
+    assert mixer.choices(scene.relume) == before and scene.relume.exr == str(path)
+    count = len(bpy.data.scenes)
+    (tmp_path / "s.0001.exr").write_bytes(path.read_bytes())
+    (tmp_path / "s.0003.exr").write_bytes(path.read_bytes())
+    with pytest.raises(sequences.SequenceError, match="frames are missing: 2"):
+        exr.new_scene(tmp_path / "s.####.exr")
+    assert len(bpy.data.scenes) == count

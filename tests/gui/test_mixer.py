@@ -1,0 +1,231 @@
+"""The mixer as an artist meets it, by clicks, drags and keys; its pictures are those of docs/mixer.md."""
+
+from pathlib import Path
+
+import pytest
+
+ROOM = Path(__file__).resolve().parents[2] / "assets/room.blend"
+
+STEPS = """
+import bpy
+
+
+def event(kind, value, x, y, **options):
+    bpy.context.window.event_simulate(type=kind, value=value, x=int(x), y=int(y), **options)
+
+
+def move(x, y):
+    event("MOUSEMOVE", "NOTHING", x - 2, y)
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield
+
+
+def click(x, y):
+    yield from move(x, y)
+    event("LEFTMOUSE", "PRESS", x, y)
+    event("LEFTMOUSE", "RELEASE", x, y)
+    yield
+
+
+def drag(path):
+    (x, y), *rest = path
+    yield from move(x, y)
+    event("LEFTMOUSE", "PRESS", x, y)
+    yield
+    for x, y in rest:
+        event("MOUSEMOVE", "NOTHING", x, y)
+        yield
+    event("LEFTMOUSE", "RELEASE", x, y)
+    yield
+
+
+def press(key, x, y, **modifiers):
+    yield from move(x, y)
+    event(key, "PRESS", x, y, **modifiers)
+    event(key, "RELEASE", x, y)
+    yield
+
+
+def type_text(text, x, y):
+    for letter in text:
+        key = letter.upper() if letter.isalpha() else "SPACE"
+        event(key, "PRESS", x, y, unicode=letter)
+        event(key, "RELEASE", x, y)
+        yield
+
+
+def area_of(kind):
+    return next(area for area in bpy.context.screen.areas if area.type == kind)
+
+
+def region_of(area, kind="UI"):
+    return next(region for region in area.regions if region.type == kind)
+
+
+def layout():
+    # The 3D view on the left with the panel, the render on the right
+    area = area_of("VIEW_3D")
+    area.spaces.active.show_region_ui = True
+    with bpy.context.temp_override(area=area, region=region_of(area, "WINDOW")):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield
+    left, right = sorted((a for a in bpy.context.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
+    right.type = "IMAGE_EDITOR"
+    left.spaces.active.show_region_ui = True
+    yield
+    region_of(left).active_panel_category = "Relume"
+    yield
+
+
+def render():
+    scene = bpy.context.scene
+    scene.render.resolution_percentage = 50
+    scene.cycles.samples = 24
+    bpy.ops.render.render()
+    area_of("IMAGE_EDITOR").spaces.active.image = bpy.data.images["Render Result"]
+    yield
+
+
+def groups():
+    return bpy.context.scene.relume.light_groups
+"""
+
+
+def test_choose_a_lamp_solo_undo_snapshot_save_and_reopen(window, tmp_path):
+    pictures = window(
+        STEPS
+        + f"""
+SAVED = {str(tmp_path / "saved.blend")!r}
+"""
+        + """
+# From the upper right corner of the panel's region, at an interface scale of 1
+LAMP, SOLO, GAIN = (-150, -160), (-52, -138), (-90, -138)
+
+
+def at(place):
+    region = region_of(area_of("VIEW_3D"))
+    return region.x + region.width + place[0], region.y + region.height + place[1]
+
+
+def steps():
+    bpy.context.scene.relume.channels = "6"
+    bpy.context.preferences.view.show_statusbar_stats = False
+    yield from layout()
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Set Up")
+    yield from render()
+    yield "mixer_rendered.png"
+    yield from click(*at(LAMP))
+    yield from type_text("sod", *at(LAMP))
+    yield "mixer_search.png"
+    yield from press("RET", *at(LAMP))
+    yield
+    assert groups()[0].illuminant.startswith("Sodium"), groups()[0].illuminant
+    yield "mixer_sodium.png"
+    yield from click(*at(SOLO))
+    assert groups()[0].solo
+    yield "mixer_solo.png"
+    yield from press("Z", *at((-600, -400)), ctrl=True)
+    assert not groups()[0].solo and groups()[0].illuminant.startswith("Sodium"), "solo is one step of undo"
+    yield from press("Z", *at((-600, -400)), ctrl=True)
+    assert groups()[0].illuminant == "A", "and so is the lamp"
+    yield from press("Z", *at((-600, -400)), ctrl=True, shift=True)
+    assert groups()[0].illuminant.startswith("Sodium")
+    x, y = at(GAIN)
+    yield from drag([(x, y), (x - 20, y), (x - 60, y), (x - 60, y)])
+    assert groups()[0].stops < 0.0, groups()[0].stops
+    stops = groups()[0].stops
+    assert bpy.ops.relume.take_snapshot() == {"FINISHED"}
+    groups()[0].source = "PLANCKIAN"
+    assert bpy.ops.relume.compare() == {"FINISHED"}
+    yield "mixer_compare.png"
+    bpy.ops.wm.save_as_mainfile(filepath=SAVED)
+    bpy.ops.wm.open_mainfile(filepath=SAVED)
+    yield
+    assert bpy.context.scene.relume.comparing == "Mix 1"
+    assert bpy.ops.relume.compare() == {"FINISHED"}
+    assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert groups()[0].illuminant.startswith("Sodium") and groups()[0].stops == stops
+    yield "mixer_reopened.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    )
+    assert len(pictures) == 6
+
+
+def test_the_light_dial_and_the_spectrum_under_the_cursor(window):
+    pictures = window(
+        STEPS
+        + """
+def steps():
+    bpy.context.scene.relume.channels = "6"
+    yield from layout()
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    yield from render()
+    row = groups()[0]
+    row.source, row.is_open = "BLEND", True
+    row.blend.add().illuminant = "Sodium (low pressure)"
+    row.blend.add().illuminant = "HP1"
+    picture = region_of(area_of("IMAGE_EDITOR"), "WINDOW")
+    assert bpy.ops.relume.light_dial("INVOKE_DEFAULT", group=0) == {"RUNNING_MODAL"}
+    yield
+    x, y = picture.x + 150, picture.y + 150  # the middle of the dial
+    yield from drag([(x, y), (x + 20, y), (x + 70, y), (x + 88, y)])
+    weights = [round(part.weight, 2) for part in groups()[0].blend]
+    assert weights[1] > 0.95, weights
+    yield "mixer_dial.png"
+    yield from press("RET", x, y)
+    x, y = picture.x + picture.width // 2, picture.y + picture.height // 2
+    assert bpy.ops.relume.inspect("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield from click(x - 60, y)
+    yield from move(x + 40, y - 20)
+    yield "mixer_inspect.png"
+    yield from press("ESC", x, y)
+    assert bpy.ops.relume.pick_white("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    yield from click(x, y)
+    assert bpy.context.scene.relume.white_source == "PIXEL"
+    assert bpy.context.scene.relume.problem == ""
+    yield "mixer_picked.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    )
+    assert len(pictures) == 3
+
+
+@pytest.mark.parametrize("theme", ["dark", "light"])
+@pytest.mark.parametrize("scale", [1.0, 1.5])
+def test_the_panels_in_both_themes_and_at_two_scales(window, theme, scale):
+    name = f"mixer_{theme}_{scale}.png"
+    pictures = window(
+        STEPS
+        + f"""
+THEME, SCALE, NAME = {theme!r}, {scale!r}, {name!r}
+"""
+        + """
+import os
+
+
+def steps():
+    preferences = bpy.context.preferences
+    if THEME == "light":
+        folder = bpy.utils.preset_paths("interface_theme")[0]
+        bpy.ops.script.execute_preset(
+            filepath=os.path.join(folder, "Blender_Light.xml"), menu_idname="USERPREF_MT_interface_theme_presets"
+        )
+    preferences.view.ui_scale = SCALE
+    yield from layout()
+    bpy.context.scene.relume.channels = "6"
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    rows = groups()
+    rows[0].source, rows[0].temperature, rows[0].is_open = "PLANCKIAN", 2700, True
+    rows[1].source, rows[1].is_open = "BLEND", True
+    rows[1].mute = True
+    bpy.ops.relume.take_snapshot()
+    yield
+    yield NAME
+""",
+        ROOM,
+    )
+    assert list(pictures) == [name]
