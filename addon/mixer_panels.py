@@ -59,7 +59,7 @@ def _draw_details(box, row, index: int, icon: int):
     elif row.source == "BLEND":
         _draw_blend(box, row, index)
     if icon:
-        box.template_icon(icon_value=icon, scale=4.0)
+        box.template_icon(icon_value=icon, scale=5.0)
     box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
 
 

@@ -51,14 +51,14 @@ def icon(values: np.ndarray, color: np.ndarray, size: int = 32) -> np.ndarray:
     return _reduced(picture).astype(np.float32)
 
 
-def plot(values: np.ndarray, width: int = 256, height: int = 96) -> np.ndarray:
+def plot(values: np.ndarray, width: int = 160, height: int = 160) -> np.ndarray:
     """(height, width, 4) sRGB float32, lowest row first: the area under a curve (81,) in the colours of its light."""
     fine = width * _OVERSAMPLING
     heights = _heights(np.asarray(values, float), fine)
     rows = (np.arange(height * _OVERSAMPLING) + 0.5)[:, None] / (height * _OVERSAMPLING)
-    picture = np.zeros((height * _OVERSAMPLING, fine, 4))
-    picture[..., :3] = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
-    picture[..., 3] = np.where(rows < 0.96 * heights + 0.015, 1.0, 0.12)
+    picture = np.ones((height * _OVERSAMPLING, fine, 4))
+    colors = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
+    picture[..., :3] = np.where((rows < 0.96 * heights + 0.015)[..., None], colors, 0.08)
     return _reduced(picture).astype(np.float32)
 
 

@@ -250,8 +250,8 @@ def test_removing_while_comparing_gives_the_room_back(room):
     bpy.ops.relume.compare()
     setup.remove(room)
     room.relume.snapshots.clear()
-    room.relume.property_unset("snapshots")
-    room.relume.property_unset("comparing")
+    for name in ("snapshots", "active_snapshot"):
+        room.relume.property_unset(name)
     assert differences(before, dump()) == []
 
 
