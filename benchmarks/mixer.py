@@ -1,0 +1,113 @@
+"""What a click in the mixer takes: from the changed property to the numbers in the sockets, compositor and preview.
+
+    python -m relume.benchmarks.mixer [--materials 10 2000] [--groups 8] [--channels 12]
+
+A scene of spheres with a material each and lamps in groups of their own; every click gives one group an illuminant that
+it has not had, so that its relight matrix is fitted. Blender's own compositing is timed apart, on a frame of 1920 × 1080
+that is composited again from images, without the render.
+"""
+
+import argparse
+import time
+
+import bpy
+import numpy as np
+
+import relume
+
+from ..addon import exr, render, setup
+from ..core import bases, coefficients, library, view
+
+__all__ = ["main"]
+
+
+def _scene(materials: int, groups: int):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    mesh = bpy.data.meshes.new("point")
+    for i in range(materials):
+        thing = bpy.data.objects.new(f"thing {i}", mesh.copy())
+        material = bpy.data.materials.new(f"material {i}")
+        principled = material.node_tree.nodes["Principled BSDF"]
+        principled.inputs["Base Color"].default_value = (i / materials, 0.5, 1.0 - i / materials, 1.0)
+        thing.data.materials.append(material)
+        scene.collection.objects.link(thing)
+    for g in range(groups):
+        lamp = bpy.data.objects.new(f"lamp {g}", bpy.data.lights.new(f"lamp {g}", "POINT"))
+        lamp.lightgroup = f"group {g}"
+        scene.collection.objects.link(lamp)
+    scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(scene.camera)
+    return scene
+
+
+def _clicks(scene, names: list[str]) -> np.ndarray:
+    """Seconds of each change of an illuminant."""
+    seconds = []
+    rows = scene.relume.light_groups
+    for number, name in enumerate(names):
+        start = time.perf_counter()
+        rows[number % len(rows)].illuminant = name
+        seconds.append(time.perf_counter() - start)
+        bpy.context.view_layer.update()
+    return np.array(seconds)
+
+
+def _compositing(folder, groups: int, channels: int) -> float:
+    """Seconds in which Blender composites a frame of 1920 × 1080 of coefficients that were rendered before."""
+    model = bases.fitted(channels)
+    names = [f"group {g}" for g in range(groups)]
+    pixels = np.random.default_rng(1).random((1080, 1920, channels), dtype=np.float32)
+    image = coefficients.CoefficientImage(
+        model=model,
+        groups=dict.fromkeys(names, pixels),
+        illuminants=dict.fromkeys(names, library.illuminant("D65")),
+        alpha=np.ones((1080, 1920), np.float32),
+    )
+    path = folder / "coefficients.exr"
+    coefficients.write(path, image, render.picture(image, dict.fromkeys(names, view.Light(library.illuminant("D65")))))
+    scene = exr.new_scene(path)
+    scene.render.compositor_device = "CPU"
+    times = []
+    for name in ("A", "FL2", "FL11"):
+        scene.relume.light_groups[0].source = "LIBRARY"
+        scene.relume.light_groups[0].illuminant = name
+        start = time.perf_counter()
+        bpy.ops.render.render(scene=scene.name)
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def main():
+    import tempfile
+    from pathlib import Path
+
+    parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.mixer", description=__doc__.splitlines()[0])
+    parser.add_argument("--materials", type=int, nargs="+", default=[10, 2000])
+    parser.add_argument("--groups", type=int, default=8)
+    parser.add_argument("--channels", type=int, default=12)
+    arguments = parser.parse_args()
+    relume.register()
+    families = library.illuminants()
+    names = [name for family in ("Fluorescent", "LED", "Discharge") for name in families[family]][:40]
+    print(f"{arguments.groups} light groups, p = {arguments.channels}, {len(names)} clicks")
+    print("| materials | median ms | 95th percentile ms | a known illuminant, median ms |")
+    print("|---|---|---|---|")
+    for materials in arguments.materials:
+        scene = _scene(materials, arguments.groups)
+        setup.set_up(scene, bases.fitted(arguments.channels))
+        view.relight_matrix.cache_clear()
+        setup.relight(scene)
+        new, known = _clicks(scene, names), _clicks(scene, names[1:] + names[:1])
+        print(
+            f"| {materials} | {1000 * np.median(new):.1f} | {1000 * np.percentile(new, 95):.1f} | "
+            f"{1000 * np.median(known):.1f} |",
+            flush=True,
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        seconds = _compositing(Path(folder), arguments.groups, arguments.channels)
+    print(f"Blender's compositing of 1920 × 1080, on this machine's CPU, files read: {seconds:.2f} s")
+
+
+if __name__ == "__main__":
+    main()
