@@ -50,7 +50,9 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
     render.add_argument("--out", type=Path, metavar="DIR", default=Path(), help="folder for the results")
 
     relight = commands.add_parser("relight", help="a new picture of a coefficient EXR, without rendering")
-    relight.add_argument("coefficients", metavar="COEFFICIENTS.exr", type=Path)
+    relight.add_argument(
+        "coefficients", metavar="COEFFICIENTS.exr", type=Path, help="a file, or a sequence such as shot.####.exr"
+    )
     relight.add_argument(
         "--light",
         metavar="GROUP=ILLUMINANT[*GAIN]",
@@ -60,7 +62,12 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
         help="what lights a group; the others stay as they were rendered",
     )
     relight.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
-    relight.add_argument("--out", type=Path, metavar="PICTURE", required=True, help="PICTURE.png, .tif or .exr")
+    relight.add_argument(
+        "--out", type=Path, metavar="PICTURE", required=True, help="PICTURE.png, .tif or .exr; with #### for a sequence"
+    )
+    relight.add_argument(
+        "--resume", action="store_true", help="keep the pictures that are there and newer than their coefficients"
+    )
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     demo.add_argument("--out", type=Path, metavar="DIR", default=Path("out/demo"), help="folder for the results")

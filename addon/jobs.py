@@ -1,13 +1,17 @@
 """What the commands do: render a scene into files, relight a file."""
 
 import json
+import os
 import sys
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import bpy
 
-from ..core import coefficients, library, view
+from ..core import coefficients, library, sequences, view
 from . import denoise, render, setup
 from .setup import SetupError
 
@@ -166,11 +170,50 @@ def _lights_of(image, chosen: list[str]) -> dict[str, view.Light]:
 
 
 def relight_file(arguments):
-    """`relume relight`: a picture of a coefficient EXR under other illuminants."""
+    """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
     if arguments.out.suffix.lower() not in render.FORMATS:
         raise ValueError(f"{arguments.out}: a picture's name ends in {', '.join(render.FORMATS)}")
-    image = coefficients.read(arguments.coefficients)
-    lights = _lights_of(image, arguments.light)
+    sources = _sources(arguments.coefficients, arguments.out)
+    waiting = {out: source for out, source in sources.items() if not (arguments.resume and _is_newer(out, source))}
+    for source in waiting.values():
+        _lights_of(coefficients.describe(source), arguments.light)  # tells what is wrong before any picture is made
     writable(arguments.out.parent)
-    render.save_picture(arguments.out, render.picture(image, lights, arguments.white), image)
-    print(arguments.out)
+    for number, (out, image, rgb) in enumerate(_relit(waiting, arguments), 1):
+        render.save_picture(out, rgb, image)
+        print(out, flush=True)
+        if len(sources) > 1:
+            done = len(sources) - len(waiting) + number
+            print(f"relit {done} of {len(sources)}", file=sys.stderr, flush=True)
+
+
+def _sources(path: Path, out: Path) -> dict[Path, Path]:
+    """{picture: its coefficients}, of one file or of a sequence. Raises SequenceError."""
+    if not sequences.is_pattern(path):
+        return {out: path}
+    if not sequences.is_pattern(out):
+        raise sequences.SequenceError(f"{out}: expected #### for the frame number, as in {path.name}")
+    return {sequences.numbered(out, frame): source for frame, source in sequences.files(path).items()}
+
+
+def _is_newer(out: Path, source: Path) -> bool:
+    return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
+
+
+def _relit(waiting: dict[Path, Path], arguments):
+    """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
+
+    def relit(item):
+        out, source = item
+        image = coefficients.read(source)
+        return out, image, render.picture(image, _lights_of(image, arguments.light), arguments.white)
+
+    cores = os.cpu_count() or 1
+    items, ahead = iter(waiting.items()), deque()
+    with ThreadPoolExecutor(cores) as pool:
+        for item in islice(items, cores):
+            ahead.append(pool.submit(relit, item))
+        while ahead:
+            done = ahead.popleft().result()
+            for item in islice(items, 1):
+                ahead.append(pool.submit(relit, item))
+            yield done

@@ -187,7 +187,7 @@ class LightGroup(PropertyGroup):
         soft_min=-6.0,
         soft_max=6.0,
         step=10,
-        precision=2,
+        precision=1,
         update=mix_changed,
     )
     solo: BoolProperty(

@@ -32,7 +32,7 @@ def _draw_row(layout, settings, row, index: int):
     else:
         line.prop(row, "name", text="")
     gain = line.row(align=True)
-    gain.ui_units_x = 3.6
+    gain.ui_units_x = 4.2
     gain.prop(row, "stops", text="")
     line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")

@@ -300,3 +300,27 @@ def test_an_exr_of_other_groups_is_refused_and_nothing_changes(ready, tmp_path):
     with pytest.raises(sequences.SequenceError, match="frames are missing: 2"):
         exr.new_scene(tmp_path / "s.####.exr")
     assert len(bpy.data.scenes) == count
+
+
+def test_the_relight_command_takes_sequences_and_goes_on_where_it_was_stopped(ready, tmp_path, capfd):
+    from relume.addon import commands
+
+    image = render.render(ready, tmp_path).image
+    picture = render.picture(image, dict(zip(image.groups, ready.relume.lights(), strict=True)))
+    for frame in (1, 2, 3):
+        coefficients.write(tmp_path / f"shot.{frame:04d}.exr", image, picture)
+    command = ["relight", str(tmp_path / "shot.####.exr"), "--light", "tungsten=HP1", "--out"]
+    assert commands.execute([*command, str(tmp_path / "lit.####.png")]) == 0
+    pictures = [tmp_path / f"lit.{frame:04d}.png" for frame in (1, 2, 3)]
+    assert all(path.is_file() for path in pictures) and "relit 3 of 3" in capfd.readouterr().err
+    pictures[1].unlink()
+    before = [path.stat().st_mtime_ns for path in (pictures[0], pictures[2])]
+    assert commands.execute([*command, str(tmp_path / "lit.####.png"), "--resume"]) == 0
+    assert pictures[1].is_file() and before == [path.stat().st_mtime_ns for path in (pictures[0], pictures[2])]
+    (tmp_path / "shot.0002.exr").unlink()
+    capfd.readouterr()
+    assert commands.execute([*command, str(tmp_path / "other.####.png")]) == 1
+    assert "frames are missing: 2" in capfd.readouterr().err
+    assert not list(tmp_path.glob("other.*")), "nothing is written of a sequence with holes"
+    assert commands.execute([*command, str(tmp_path / "other.png")]) == 1
+    assert "expected #### for the frame number" in capfd.readouterr().err

@@ -83,6 +83,7 @@ def render():
     scene.cycles.samples = 24
     bpy.ops.render.render()
     area_of("IMAGE_EDITOR").spaces.active.image = bpy.data.images["Render Result"]
+    bpy.ops.ed.undo_push(message="Render")
     yield
 
 
@@ -112,7 +113,6 @@ def steps():
     bpy.context.preferences.view.show_statusbar_stats = False
     yield from layout()
     assert bpy.ops.relume.set_up() == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="Set Up")
     yield from render()
     yield "mixer_rendered.png"
     yield from click(*at(LAMP))
@@ -171,7 +171,7 @@ def steps():
     assert bpy.ops.relume.light_dial("INVOKE_DEFAULT", group=0) == {"RUNNING_MODAL"}
     yield
     x, y = picture.x + 150, picture.y + 150  # the middle of the dial
-    yield from drag([(x, y), (x + 20, y), (x + 70, y), (x + 88, y)])
+    yield from drag([(x, y), (x + 20, y), (x + 70, y), (x + 100, y), (x + 100, y)])
     weights = [round(part.weight, 2) for part in groups()[0].blend]
     assert weights[1] > 0.95, weights
     yield "mixer_dial.png"

@@ -1,0 +1,79 @@
+"""Gains, blends and the light dial; numbered files; the spectrum of a pixel."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from relume.core import bases, drawing, inspection, library, mixing, sequences, view
+from relume.core.spectrum import SpectrumError
+
+
+@given(st.integers(3, 12), st.floats(0, 2 * np.pi), st.floats(0, 3))
+def test_the_dial_weighs_and_finds_its_handle_again(count, angle, radius):
+    position = radius * np.array([np.cos(angle), np.sin(angle)])
+    weights = mixing.weights(position, count)
+    assert (weights >= 0).all() and abs(weights.sum() - 1) < 1e-9
+    handle = mixing.handle(weights)
+    if radius < np.cos(np.pi / count):
+        assert np.allclose(handle, position, atol=1e-9)
+    assert np.allclose(mixing.weights(handle, count), weights, atol=1e-6)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 8])
+def test_at_an_anchor_its_illuminant_shines_alone_and_between_two_only_they(count):
+    corners = mixing.anchors(count)
+    for i, corner in enumerate(corners):
+        assert np.allclose(mixing.weights(corner, count), np.eye(count)[i], atol=1e-9)
+    if count >= 3:
+        weights = mixing.weights((corners[0] + corners[1]) / 2, count)
+        assert np.allclose(weights[:2], 0.5) and np.allclose(weights[2:], 0)
+
+
+def test_a_blend_has_each_lamp_by_its_luminance():
+    tungsten, line = library.illuminant("A"), library.illuminant("589 nm")
+    cmfs = library.observer()
+    mixed = mixing.blend(((tungsten, 1.0), (line, 3.0))).sampled() @ cmfs
+    parts = [spectrum.sampled() @ cmfs for spectrum in (tungsten, line)]
+    assert np.allclose(mixed / mixed[1], 0.25 * parts[0] / parts[0][1] + 0.75 * parts[1] / parts[1][1])
+    with pytest.raises(SpectrumError, match="weights of 0 or more"):
+        mixing.blend(((tungsten, 0.0),))
+
+
+def test_solo_and_mute():
+    assert mixing.gains([1, 0, -1], [False] * 3, [False] * 3).tolist() == [2.0, 1.0, 0.5]
+    assert mixing.gains([1, 0, -1], [True, True, False], [False, True, False]).tolist() == [2.0, 0.0, 0.0]
+
+
+def test_numbered_files(tmp_path):
+    for frame in (8, 9, 10, 10001):
+        (tmp_path / f"shot.{frame:04d}.exr").touch()
+    with pytest.raises(sequences.SequenceError, match="frames are missing: 11-10000"):
+        sequences.files(tmp_path / "shot.####.exr")
+    (tmp_path / "shot.10001.exr").unlink()
+    assert list(sequences.files(tmp_path / "shot.####.exr")) == [8, 9, 10]
+    with pytest.raises(sequences.SequenceError, match="no such files"):
+        sequences.files(tmp_path / "other.####.exr")
+    with pytest.raises(sequences.SequenceError, match="one run of #"):
+        sequences.files(tmp_path / "shot.##.#.exr")
+
+
+def test_a_pixel_of_a_grey_wall_has_the_spectrum_of_its_lamp():
+    model, lamp = bases.fitted(9), library.illuminant("A")
+    lights = [view.Light(lamp, 0.5), view.Light(library.illuminant("HP1"), 0.0)]
+    pixel = inspection.inspect(model, lights, [np.full(9, 0.4), np.full(9, 0.7)])
+    assert np.allclose(pixel.spectrum, lamp.sampled() / lamp.sampled().max(), atol=1e-6)
+    assert np.allclose(pixel.xyz, 0.2 * view.mixed_white(lights, model))
+    darker = inspection.inspect(model, lights, [np.full(9, 0.1), np.full(9, 0.7)])
+    assert inspection.difference(pixel, pixel, model, lights) == 0.0
+    assert inspection.difference(pixel, darker, model, lights) > 20
+
+
+@pytest.mark.parametrize("name", ["D65", "589 nm", "HP1"])
+def test_an_icon_shows_the_curve_over_the_swatch(name):
+    spectrum = library.illuminant(name)
+    values, color = drawing.curve(spectrum), drawing.swatch(spectrum)
+    picture = drawing.icon(values, color)
+    assert np.allclose(picture[-1, 0, :3], color, atol=0.02), "the swatch, above the curve"
+    inked = (np.abs(picture[..., :3] - color).max(axis=-1) > 0.2).sum(axis=0)
+    assert abs(int(np.argmax(inked)) - np.argmax(values) * 32 / 81) < 3
