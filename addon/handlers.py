@@ -19,9 +19,9 @@ def _mix(settings) -> tuple:
 
 
 def _follow(scene, depsgraph):
-    from . import compositing, setup
+    from . import compositing, mixer, setup
 
-    if not scene.relume.is_set_up or scene.animation_data is None:
+    if mixer.is_quiet() or not scene.relume.is_set_up or scene.animation_data is None:
         return
     settings = scene.evaluated_get(depsgraph).relume
     mix = _mix(settings)

@@ -19,6 +19,7 @@ __all__ = [
     "Snapshot",
     "apply",
     "choices",
+    "is_quiet",
     "is_touched",
     "mix_changed",
     "quiet",
@@ -57,6 +58,11 @@ def quiet():
         yield
     finally:
         _quiet -= 1
+
+
+def is_quiet() -> bool:
+    """Whether the mixer is being written, so that what it says now is not yet to be shown."""
+    return _quiet > 0
 
 
 def mix_changed(self, context):

@@ -71,7 +71,8 @@ def set_up(scene, model: FactorModel | None = None):
         remove(done)
     for each in [scene, *others]:
         try:
-            _set_up(each, model)
+            with mixer.quiet():
+                _set_up(each, model)
             each[properties.PLAN] = chosen
         except Exception as error:
             remove(each)
