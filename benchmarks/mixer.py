@@ -3,8 +3,8 @@
     python -m relume.benchmarks.mixer [--materials 10 2000] [--groups 8] [--channels 12]
 
 A scene of spheres with a material each and lamps in groups of their own; every click gives one group an illuminant
-that it has not had, so that its relight matrix is fitted. Blender's own compositing is timed apart, on a 1920 × 1080 frame
-that is composited again from images, without the render.
+that it has not had, so that its relight matrix is fitted. Blender's own compositing is timed apart, on a frame of
+1920 × 1080 that is composited again from images, without the render.
 """
 
 import argparse
