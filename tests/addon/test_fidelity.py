@@ -8,7 +8,7 @@ import pytest
 from dump import differences, dump
 
 from relume.addon import passes, render, setup
-from relume.core import bases, coefficients, measure, upsample, view
+from relume.core import bases, coefficients, measure, upsample
 
 HERE = Path(bpy.utils.resource_path("LOCAL")) / "datafiles"
 HDRIS = sorted((HERE / "studiolights/world").glob("*.exr"))
@@ -123,7 +123,9 @@ def test_blenders_own_hdris_light_as_they_did(startup, tmp_path, hdri):
     assert [d for d in differences(before, dump()) if "Render Result" not in d] == []
 
 
-ASSETS = sorted((HERE / "assets").rglob("*.blend")) + sorted(Path(bpy.utils.resource_path("LOCAL")).rglob("startup.blend"))
+ASSETS = sorted((HERE / "assets").rglob("*.blend")) + sorted(
+    Path(bpy.utils.resource_path("LOCAL")).rglob("startup.blend")
+)
 
 
 @pytest.mark.parametrize("path", ASSETS, ids=lambda path: f"{path.parent.name}-{path.stem}")
