@@ -45,6 +45,7 @@ def advance() -> float | None:
 
 
 bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.use_preferences_save = False  # one test leaves nothing to the next
 steps = take_steps()
 # A script may load another file.
 bpy.app.timers.register(advance, first_interval=REDRAWN, persistent=True)
