@@ -110,7 +110,8 @@ class LightDial(Operator):
         anchors = [(x + radius * a, y + radius * b) for a, b in mixing.anchors(len(weights)).tolist()]
         for place, color, name in zip(anchors, self.colors, self.names, strict=True):
             overlay.disc(place, 9 * scale, (*color, 1.0))
-            overlay.text(name, place[0], place[1] + 12 * scale, scale, centered=True)
+            above = 12 if place[1] >= y - 1 else -22
+            overlay.text(name, place[0], place[1] + above * scale, scale, centered=True)
         a, b = mixing.handle(weights).tolist()
         overlay.disc((x + radius * a, y + radius * b), 8 * scale, (0.0, 0.0, 0.0, 1.0))
         overlay.disc((x + radius * a, y + radius * b), 6 * scale, (1.0, 1.0, 1.0, 1.0))

@@ -9,6 +9,7 @@ from bpy.types import Operator
 
 from ..core import coefficients
 from ..core.coefficients import CoefficientImageError
+from ..core.library import LibraryError
 from . import passes
 
 __all__ = ["CLASSES", "coefficients_of"]
@@ -64,12 +65,12 @@ class _Picking:
         try:
             with context.temp_override(area=self.area, region=self.region):
                 self.images = coefficients_of(context)
-        except (CoefficientImageError, OSError) as error:
+            self.begin(context)
+        except (LibraryError, ValueError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.window_manager.modal_handler_add(self)
         context.window.cursor_modal_set("EYEDROPPER")
-        self.begin(context)
         return {"RUNNING_MODAL"}
 
     def begin(self, context):

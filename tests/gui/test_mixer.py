@@ -80,9 +80,13 @@ def layout():
 def render():
     scene = bpy.context.scene
     scene.render.resolution_percentage = 50
-    scene.cycles.samples = 24
+    scene.cycles.samples = 96
     bpy.ops.render.render()
-    area_of("IMAGE_EDITOR").spaces.active.image = bpy.data.images["Render Result"]
+    area = area_of("IMAGE_EDITOR")
+    area.spaces.active.image = bpy.data.images["Render Result"]
+    yield
+    with bpy.context.temp_override(area=area, region=region_of(area, "WINDOW")):
+        bpy.ops.image.view_all(fit_view=True)
     bpy.ops.ed.undo_push(message="Render")
     yield
 
@@ -131,12 +135,11 @@ def steps():
     assert groups()[0].illuminant == "A", "and so is the lamp"
     yield from press("Z", *at((-600, -400)), ctrl=True, shift=True)
     assert groups()[0].illuminant.startswith("Sodium")
+    assert bpy.ops.relume.take_snapshot() == {"FINISHED"}
+    groups()[0].source = "PLANCKIAN"
     x, y = at(GAIN)
     yield from drag([(x, y), (x - 20, y), (x - 60, y), (x - 60, y)])
     assert groups()[0].stops < 0.0, groups()[0].stops
-    stops = groups()[0].stops
-    assert bpy.ops.relume.take_snapshot() == {"FINISHED"}
-    groups()[0].source = "PLANCKIAN"
     assert bpy.ops.relume.compare() == {"FINISHED"}
     yield "mixer_compare.png"
     bpy.ops.wm.save_as_mainfile(filepath=SAVED)
@@ -145,7 +148,7 @@ def steps():
     assert bpy.context.scene.relume.comparing == "Mix 1"
     assert bpy.ops.relume.compare() == {"FINISHED"}
     assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
-    assert groups()[0].illuminant.startswith("Sodium") and groups()[0].stops == stops
+    assert groups()[0].illuminant.startswith("Sodium") and groups()[0].stops == 0.0
     yield "mixer_reopened.png"
 """,
         ROOM,
