@@ -39,6 +39,7 @@ def rename(scene, before: str, after: str) -> str:
     for thing in [*scene.objects, *([scene.world] if scene.world else [])]:
         if thing.lightgroup == before and thing.is_editable:
             thing.lightgroup = name
+            thing.update_tag()  # Blender 5.0's persistent data would not notice
     for layer in scene.view_layers:
         if before in layer.lightgroups:
             layer.lightgroups[before].name = name
@@ -94,6 +95,7 @@ def _assign(scene, assigned: list[tuple[str, list]]):
     for name, things in assigned:
         for thing in things:
             thing.lightgroup = name
+            thing.update_tag()
     with mixer.quiet():
         for name, start in starts.items():
             if start and name and name not in settings.light_groups:

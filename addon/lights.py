@@ -102,6 +102,8 @@ def take_colors(lights) -> tuple[dict, list[Remark]]:
     lamps, remarks = {}, []
     for light in lights:
         if light.library is not None or light.override_library is not None:
+            if light.node_tree is None:  # others are told with their nodes
+                remarks.append(sockets.untouchable(light))
             continue
         why = _obstacle(light)
         if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):

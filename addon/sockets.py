@@ -26,8 +26,8 @@ __all__ = [
     "shadings_of",
     "spectral_sockets",
     "take_out",
-    "spectral_sockets",
     "trees_of",
+    "untouchable",
 ]
 
 # Nodes that a spectrum passes through channel by channel, and those that make another colour of it
@@ -37,6 +37,12 @@ _ANIMATED = "relume_animated"  # on an inserted node: the path whose animation a
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
 _SHARED = "its animation is that of other materials too: the colour stays RGB"
 _OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colours stay RGB"
+
+
+def untouchable(owner) -> Remark:
+    """What is told of linked data and library overrides."""
+    why = _OVERRIDE if owner.library is None else _LINKED.format(owner.library.filepath)
+    return Remark(owner.name, "", why)
 
 
 @dataclass(frozen=True)
@@ -73,8 +79,7 @@ def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
             return
         if owner.library is not None or owner.override_library is not None:
             if not _is_converted(tree):
-                why = _OVERRIDE if owner.library is None else _LINKED.format(owner.library.filepath)
-                remarks.append(Remark(owner.name, "", why))
+                remarks.append(untouchable(owner))
             return
         found[tree] = Shading(tree, owner, light_group)
         for node in tree.nodes:

@@ -20,7 +20,8 @@ def traces() -> list[str]:
         found += [key for layer in scene.view_layers for key in layer.keys() if key.startswith("relume_")]
     for owner in (*bpy.data.materials, *bpy.data.worlds, *bpy.data.lights):
         found += [f"{owner.name}: {key}" for key in owner.keys() if key.startswith("relume_")]
-        found += [f"{owner.name}: {n.name}" for n in owner.node_tree.nodes if nodes.role(n) in nodes.INSERTED]
+        tree = owner.node_tree  # a lamp of Blender 5.0 may have none
+        found += [f"{owner.name}: {n.name}" for n in (tree.nodes if tree else ()) if nodes.role(n) in nodes.INSERTED]
     return found
 
 
