@@ -36,14 +36,16 @@ def delta_E(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return measure.picture_delta_E(a * scale @ to_xyz.T, b * scale @ to_xyz.T, WHITE)
 
 
-def colourful(scene, closures=("ShaderNodeBsdfPrincipled",)):
-    """Spheres of many closures in saturated colours."""
+def colourful(scene):
+    """Spheres of many closures in saturated colours. None lights another, and none has light go twice between facets."""
     scene.render.engine = "CYCLES"
     scene.render.resolution_x = scene.render.resolution_y = 48
     scene.cycles.use_denoising = False
     scene.cycles.samples, scene.cycles.seed = 64, 1
+    scene.cycles.use_adaptive_sampling = False  # stops where a picture's own noise says
     scene.view_settings.view_transform = "Standard"
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    for name in ("Cube", "Plane"):
+        bpy.data.objects.remove(bpy.data.objects[name])
     colors = [(0.8, 0.05, 0.05), (0.05, 0.6, 0.1), (0.05, 0.1, 0.7), (0.9, 0.7, 0.05), (0.6, 0.1, 0.7), (0.1, 0.7, 0.7)]
     kinds = [
         "ShaderNodeBsdfDiffuse",
@@ -61,7 +63,11 @@ def colourful(scene, closures=("ShaderNodeBsdfPrincipled",)):
         node = tree.nodes.new(kind)
         (node.inputs.get("Base Color") or node.inputs["Color"]).default_value = (*color, 1.0)
         tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        if kind == "ShaderNodeBsdfAnisotropic":
+            node.distribution = "GGX"
         bpy.context.object.data.materials.append(material)
+        if kind == "ShaderNodeEmission":
+            bpy.context.object.visible_diffuse = bpy.context.object.visible_glossy = False
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.5, 0.9, 1.0)
     bpy.data.lights["Light"].color = (1.0, 0.8, 0.6)
     return scene
@@ -87,6 +93,8 @@ def test_the_preview_is_the_original(spheres, tmp_path):
 @pytest.mark.parametrize("channels", [6, 9])
 def test_one_bounce_under_daylight_is_the_original_everywhere(spheres, tmp_path, channels):
     spheres.cycles.max_bounces = 0
+    spheres.render.resolution_x = spheres.render.resolution_y = 32
+    spheres.cycles.samples = 4096  # Principled chooses its lobes by their colour: its noise is not the same
     spheres.relume.split_samples = False
     spheres.relume.same_seed = True
     spheres.cycles.light_sampling_threshold = 0.0
@@ -105,8 +113,11 @@ def test_blenders_own_hdris_light_as_they_did(startup, tmp_path, hdri):
     texture = world.nodes.new("ShaderNodeTexEnvironment")
     texture.image = bpy.data.images.load(str(hdri))
     world.links.new(texture.outputs["Color"], world.nodes["Background"].inputs["Color"])
-    bpy.data.objects.remove(bpy.data.objects["Light"])
-    startup.render.engine, startup.cycles.max_bounces, startup.cycles.samples = "CYCLES", 0, 32
+    for name in ("Light", "Plane"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    startup.render.engine, startup.cycles.max_bounces, startup.cycles.samples = "CYCLES", 0, 128
+    startup.cycles.use_adaptive_sampling = False
+    startup.render.image_settings.file_format = "OPEN_EXR"  # Blender fills in what goes with it
     startup.relume.split_samples, startup.relume.same_seed = False, True
     bpy.data.objects["Cube"].active_material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (
         *(0.5, 0.5, 0.5),
@@ -117,8 +128,9 @@ def test_blenders_own_hdris_light_as_they_did(startup, tmp_path, hdri):
     setup.set_up(startup, bases.fitted(6))
     image = render.render(startup, tmp_path).image
     lit = render.picture(image, {row.name: row.light() for row in startup.relume.light_groups})
-    sky = delta_E(lit, plain)
-    assert np.median(sky) < 0.3 and sky.mean() < 0.5
+    error = delta_E(lit, plain)
+    assert np.median(error) < 0.01, "the sky itself"
+    assert error.mean() < 0.3
     setup.remove(startup)
     assert [d for d in differences(before, dump()) if "Render Result" not in d] == []
 
@@ -146,6 +158,7 @@ def test_blenders_own_files_are_set_up_rendered_and_given_back(path, tmp_path):
     scene.collection.objects.link(lamp)
     scene.render.resolution_x = scene.render.resolution_y = 8
     scene.cycles.samples = 1
+    scene.render.image_settings.file_format = "OPEN_EXR"  # Blender fills in what goes with it
     bpy.context.view_layer.update()
     before = dump()
     setup.set_up(scene, bases.fitted(6))
