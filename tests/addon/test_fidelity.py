@@ -37,7 +37,7 @@ def delta_E(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def colourful(scene):
-    """Spheres of many closures in saturated colours. None lights another, and none has light go twice between facets."""
+    """Spheres of many closures in saturated colours; none lights another, or itself between its facets."""
     scene.render.engine = "CYCLES"
     scene.render.resolution_x = scene.render.resolution_y = 48
     scene.cycles.use_denoising = False
