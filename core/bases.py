@@ -77,7 +77,7 @@ def bands(channels=36):
 def fitted(channels=9):
     """Non-negative filters optimised for products of one to three bounces; the default model.
 
-    Optimised filters ship for the 3, 5, 6, 7, 9, 12, 15 and 18 channels; other numbers get adjoining bands
+    Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
     weighted by the colour matching functions.
     """
     _check_channels(channels)
@@ -208,17 +208,18 @@ def scene(channels, reflectances, illuminants, exact=None, lobes=False):
 
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
-    task = optimise.Task.of(*training.with_general(own, part=4), power)
-    weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
-    filters = optimise.scene_filters(fitted(channels).filters, task, weights)
-    if exact:
-        if lobes:
-            model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
-            matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
-            filters = relight.with_exact_lights(filters, matrices, weights)
-            filters /= filters.sum(axis=0)
-        else:
-            filters = optimise.exact_filters(filters, task, weights, iterations=200)
+    with optimise.one_thread():
+        task = optimise.Task.of(*training.with_general(own, part=8), power)
+        weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
+        filters = optimise.scene_filters(fitted(channels).filters, task, weights)
+        if exact:
+            if lobes:
+                model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+                matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
+                filters = relight.with_exact_lights(filters, matrices, weights)
+                filters /= filters.sum(axis=0)
+            else:
+                filters = optimise.exact_filters(filters, task, weights, iterations=200)
     if filters is None or (own @ filters).min() < 0:
         raise ModelError(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "

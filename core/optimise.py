@@ -9,7 +9,6 @@ its derivative with respect to them is zero, so the gradient needs the filters' 
 
 import argparse
 import os
-import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -22,17 +21,16 @@ from . import filters as filter_files
 from . import library, relight, training
 from .spectrum import WAVELENGTHS
 
-__all__ = ["Task", "exact_filters", "main", "optimised", "scene_filters"]
+__all__ = ["Task", "exact_filters", "main", "one_thread", "optimised", "scene_filters"]
 
-CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18)
+CHANNELS = (3, 5, 6, 7, 9, 12, 15)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
 STARTS = 24
 SCENE_WORK = 40_000_000  # iterations times products times lights times channels: one to two seconds
-SCENE_ITERATIONS = 2500
+SCENE_ITERATIONS = 4000
 PENALTIES = (1e0, 1e2, 1e4, 1e6, 1e8)
 WIDENINGS = (0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1)
-THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +72,17 @@ class Task:
                 others = np.delete(chosen, own, axis=1)
                 np.add.at(by_factor, chosen[:, own], part * factors[others].prod(axis=1))
         return float((pull * residual).sum()), self.reflectances.T @ by_factor, 2 * (pull @ coefficients)
+
+
+def one_thread():
+    """Context in which matrix products use one thread: on these small ones more are slower, and change the last bits.
+
+    An optimum far along depends on those bits.
+    """
+    import scipy.optimize  # noqa: F401  (only what is loaded can be told)
+    from threadpoolctl import threadpool_limits
+
+    return threadpool_limits(1, "blas")
 
 
 def optimised(filters, task, iterations):
@@ -187,9 +196,9 @@ def scene_filters(start, task, weights):
     channels, power = start.shape[1], np.abs(weights).sum(axis=1)
     random = np.random.default_rng(len(task.reflectances))
     iterations = min(SCENE_WORK // (task.truth[:, 0].size * channels), SCENE_ITERATIONS)
-    tries = [np.maximum(start, 1e-7), *(filter_files.start_filters(channels, random, power) for _ in range(3))]
-    # All starts get a tenth of the iterations, the better two a fifth, and the best what is left.
-    for kept, share in ((4, 10), (2, 5), (1, 5)):
+    tries = [np.maximum(start, 1e-7), *(filter_files.start_filters(channels, random, power) for _ in range(8))]
+    # Half of the starts may lead nowhere; a sixteenth of the iterations shows which.
+    for kept, share in ((9, 16), (3, 16), (1, 4)):
         done = [optimised(filters, task, iterations // share) for filters in tries[:kept]]
         tries = [filters for filters, _ in sorted(done, key=lambda one: one[1])]
     return tries[0][:, np.argsort(WAVELENGTHS @ tries[0])]
@@ -197,10 +206,6 @@ def scene_filters(start, task, weights):
 
 def main(argv=None):
     """The command: make the shipped filters again."""
-    if any(os.environ.get(name) != "1" for name in THREADS):
-        # The last bits of a matrix product depend on the number of threads, which is fixed once numpy is loaded.
-        command = [sys.executable, "-m", "relume.core.optimise", *(sys.argv[1:] if argv is None else argv)]
-        return subprocess.run(command, env=os.environ | dict.fromkeys(THREADS, "1")).returncode
     parser = argparse.ArgumentParser(prog="python -m relume.core.optimise", description="Make the filters that ship.")
     parser.add_argument("--channels", type=int, nargs="+", default=CHANNELS, metavar="P")
     parser.add_argument("--out", type=Path, default=filter_files.SHIPPED)
@@ -215,7 +220,8 @@ def main(argv=None):
 
 
 def _made(channels):
-    return make_filters(channels, general_task(channels), tell=lambda line: print(line, flush=True))
+    with one_thread():
+        return make_filters(channels, general_task(channels), tell=lambda line: print(line, flush=True))
 
 
 if __name__ == "__main__":

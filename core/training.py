@@ -55,7 +55,7 @@ def products(spectra, bounces=BOUNCES, most=1000):
     return Training(spectra, tuple(factors), np.concatenate(weights))
 
 
-def with_general(own, bounces=(1.0, 1.0, 2.0), share=0.98, most=500, part=1):
+def with_general(own, bounces=(1.0, 2.0, 3.0), share=0.99, most=500, part=1):
     """Products of a scene's `own` reflectances (m, 81), which have `share` of the weight, and of the general ones.
 
     part: every how manieth of the general reflectances takes part. -> all the reflectances (m + ..., 81), Training.

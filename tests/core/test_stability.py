@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from relume.core import bases, hazards, library, stability
+from relume.core import bases, library, stability
 
 
 @pytest.fixture(scope="module")
@@ -23,10 +23,10 @@ def rows(report, name):
 
 def test_every_hazard_is_told(report):
     text = (report / "stability.md").read_text(encoding="utf-8")
-    hazards = re.findall("^## (.*)$", text, re.MULTILINE)
-    assert len(hazards) == 9
+    sections = re.findall("^## (.*)$", text, re.MULTILINE)
+    assert len(sections) == 9
     for part in ("What happens", "Bound", "Physical limit"):
-        assert text.count(f"**{part}.**") == len(hazards) - 1  # the last lists what is clamped
+        assert text.count(f"**{part}.**") == len(sections) - 1  # the last lists what is clamped
     assert (report / "stability.png").stat().st_size > 10_000
 
 
@@ -46,8 +46,7 @@ def test_every_refusal_is_named(report):
 def test_fitted_models_do_not_amplify_noise(report):
     fitted = [line for line in rows(report, "conditioning") if line[1] == "fitted"]
     assert len(fitted) == len(stability.CHANNELS)
-    # 18 filters of 81 samples nearly depend on one another; up to 15, no light makes more noise than there was
-    assert all(float(line[5]) < (1 if int(line[0]) in hazards.CHANNELS else 1.5) for line in fitted)
+    assert all(float(line[5]) < 1 for line in fitted), "no light makes more noise than there was"
 
 
 def test_series_of_bounces_converge():
