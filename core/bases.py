@@ -219,7 +219,7 @@ def scene(channels, reflectances, illuminants, exact=None, lobes=False):
                 filters = relight.with_exact_lights(filters, matrices, weights)
                 filters /= filters.sum(axis=0)
             else:
-                filters = optimise.exact_filters(filters, task, weights, iterations=200)
+                filters = optimise.exact_filters(filters, task, weights)
     if filters is None or (own @ filters).min() < 0:
         raise ModelError(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "

@@ -29,7 +29,8 @@ BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose product
 STARTS = 24
 SCENE_WORK = 40_000_000  # iterations times products times lights times channels: one to two seconds
 SCENE_ITERATIONS = 4000
-PENALTIES = (1e0, 1e2, 1e4, 1e6, 1e8)
+EXACT_ITERATIONS = 2000
+PENALTIES = (1e1, 1e4, 1e8)
 WIDENINGS = (0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1)
 
 
@@ -97,7 +98,7 @@ def optimised(filters, task, iterations):
     return _normalised(best)[0], value
 
 
-def exact_filters(filters, task, weights, iterations):
+def exact_filters(filters, task, weights):
     """Non-negative filters (n, p) of which the power weights (n, 3 e) are combinations, or None where none are found.
 
     They start from `filters` and do what they can for `task`, whose lights are those of the weights. Filters and
@@ -108,6 +109,7 @@ def exact_filters(filters, task, weights, iterations):
 
     largest, white = np.abs(weights).max(axis=0), weights.sum(axis=0)
     matrices = np.linalg.lstsq(filters, weights, rcond=1e-12)[0].T
+    iterations = _affordable(task, filters, EXACT_ITERATIONS)
 
     def error(penalty, scaled, matrices):
         filters, back = _normalised(scaled)
@@ -130,6 +132,11 @@ def exact_filters(filters, task, weights, iterations):
         if relight.exact_matrix(found, weights) is not None:
             return found
     return None
+
+
+def _affordable(task, filters, most):
+    """How many iterations SCENE_WORK pays for, `most` at most."""
+    return min(SCENE_WORK // (task.truth[:, 0].size * filters.shape[1]), most)
 
 
 def _normalised(scaled):
@@ -195,7 +202,7 @@ def scene_filters(start, task, weights):
     """
     channels, power = start.shape[1], np.abs(weights).sum(axis=1)
     random = np.random.default_rng(len(task.reflectances))
-    iterations = min(SCENE_WORK // (task.truth[:, 0].size * channels), SCENE_ITERATIONS)
+    iterations = _affordable(task, start, SCENE_ITERATIONS)
     tries = [np.maximum(start, 1e-7), *(filter_files.start_filters(channels, random, power) for _ in range(8))]
     # Half of the starts may lead nowhere; a sixteenth of the iterations shows which.
     for kept, share in ((9, 16), (3, 16), (1, 4)):
