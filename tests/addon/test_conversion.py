@@ -320,6 +320,40 @@ def test_odd_trees_are_set_up_and_given_back(startup):
     assert [d for d in differences(before, dump()) if "lights/Light" not in d or bpy.app.version >= (5, 1)] == []
 
 
+def test_a_driven_colour_stays_driven(startup):
+    material, tree = material_on_cube()
+    diffuse = shader_in(tree, "ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.1, 0.4, 0.2, 1.0)
+    driven = diffuse.inputs["Color"].driver_add("default_value", 1)
+    driven.driver.expression = "0.25 + frame * 0.01"
+    before = dump()
+    setup.set_up(startup)
+    startup.frame_set(25)
+    evaluated = material.evaluated_get(bpy.context.evaluated_depsgraph_get()).node_tree
+    shown = feeding(evaluated.nodes[diffuse.name].inputs["Color"]).inputs[0].default_value
+    assert shown[:3] == pytest.approx((0.1, 0.5, 0.2))
+    startup.frame_set(1)
+    setup.remove(startup)
+    after = dump()
+    assert [d for d in differences(before, after) if "default_value" not in d and "lights/Light" not in d] == []
+    assert [d for d in differences(before, after) if "drivers" in d] == []
+
+
+def test_a_missing_image_is_as_missing_as_before(startup, tmp_path):
+    _, tree = material_on_cube()
+    diffuse = shader_in(tree, "ShaderNodeBsdfDiffuse")
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.new("gone", 4, 4)
+    texture.image.source, texture.image.filepath = "FILE", "//nowhere/gone.png"
+    tree.links.new(texture.outputs["Color"], diffuse.inputs["Color"])
+    before = dump()
+    setup.set_up(startup, bases.fitted(6))
+    image = render.render(startup, tmp_path).image
+    assert max(values.max() for values in image.groups.values()) > 0.01
+    setup.remove(startup)
+    assert [d for d in differences(before, dump()) if "linear_colorspace" not in d and "Render Result" not in d] == []
+
+
 def test_names_of_64_characters(startup):
     startup.view_layers[0].name = "層" * 21
     bpy.data.objects["Light"].lightgroup = "g" * 60
