@@ -104,7 +104,8 @@ def _checked(path: Path) -> str:
     result = json.loads(found[0])
     differences = result["differences"]
     outcome = f"DIFFERS: {'; '.join(differences[:3])}" if differences else "given back"
-    return f"{result['converted']:>5} {result['remarks']:>4} {result['preview']:>7.2f} {result['lit']:>7.2f}   {outcome}"
+    errors = f"{result['preview']:>7.2f} {result['lit']:>7.2f}"
+    return f"{result['converted']:>5} {result['remarks']:>4} {errors}   {outcome}"
 
 
 def main():

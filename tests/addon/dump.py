@@ -78,13 +78,19 @@ def _value(prop, value, depth: int):
             return f"<{value.name_full}>"
         if prop.identifier in {"node", "from_node", "to_node", "from_socket", "to_socket", "parent", "view_layer"}:
             return repr(value)
+        if isinstance(value, (bpy.types.Bone, bpy.types.PoseBone)):
+            return value.name
         return _struct(value, depth + 1)
     if prop.type == "COLLECTION":
         if depth > _DEPTH:
             return None
         if prop.identifier == "links":
             return _links(value)
-        if len(value) > _MANY:
+        if prop.identifier == "keyframe_points":
+            places = [0.0] * (2 * len(value))
+            value.foreach_get("co", places)
+            return places
+        if len(value) > _MANY or prop.identifier == "channels":
             return len(value)
         # Blender 5.0 keeps sockets of passes that are off until a node is updated
         members = [item for item in value if not (isinstance(item, bpy.types.NodeSocket) and not item.enabled)]
@@ -102,6 +108,8 @@ def _plain(value):
 def _member(item, depth: int):
     if item is None:
         return None
+    if isinstance(item, (bpy.types.Bone, bpy.types.PoseBone)) and depth > 0:
+        return item.name  # of another bone's children
     return f"<{item.name_full}>" if isinstance(item, bpy.types.ID) else _struct(item, depth + 1)
 
 
