@@ -1,8 +1,9 @@
 """Glasses with dispersion: each channel refracts by its own index.
 
-A closure of Cycles has one index of refraction. A *glass* group therefore adds three of them, each of which lets one of
-the three channels of a pass through and has the index of that channel. In a scene without Relume they are red, green
-and blue. A glass group keeps its index as `spectra` keep theirs.
+A closure of Cycles has one index of refraction. A *glass* group therefore adds several, each of which lets one of the
+three channels of a pass through: wide channels have a closure for each of some equal shares of their wavelengths, so
+that a spectrum has no stripes. In a scene without Relume they are red, green and blue. A glass group keeps its index as
+`spectra` keep theirs.
 """
 
 import bpy
@@ -46,25 +47,28 @@ def _fill(tree, model: FactorModel | None):
     plain = view.display_primaries(index)
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
-    indices = nodes.add(tree, "ShaderNodeSeparateXYZ", 2)
-    if model is None:
-        indices.inputs[0].default_value = plain
-    else:
-        node_view = nodes.add_view(tree, model.channels)
-        spectral = nodes.weighed(tree, node_view, model.coefficients(index), -1)
-        tree.links.new(nodes.choose(tree, 1, node_view.outputs["ON"], tuple(plain), spectral), indices.inputs[0])
+    shares = [None] if model is None else model.shares(index)
+    view_node = None if model is None else nodes.add_view(tree, model.channels)
     total = None
-    for channel in range(3):
-        masked = nodes.add(tree, "ShaderNodeVectorMath", 3, channel, operation="MULTIPLY")
-        masked.inputs[1].default_value = [float(channel == k) for k in range(3)]
-        closure = nodes.add(tree, tree[_KIND], 4, channel)
-        tree.links.new(source.outputs["Color"], masked.inputs[0])
-        tree.links.new(masked.outputs[0], closure.inputs["Color"])
-        tree.links.new(indices.outputs[channel], closure.inputs["IOR"])
-        for name in ("Roughness", "Normal"):
-            if name in source.outputs:
-                tree.links.new(source.outputs[name], closure.inputs[name])
-        total = closure.outputs[0] if total is None else _sum(tree, 5, channel, total, closure.outputs[0])
+    for number, share in enumerate(shares):
+        indices = nodes.add(tree, "ShaderNodeSeparateXYZ", 2, 4 * number)
+        if model is None:
+            indices.inputs[0].default_value = plain
+        else:
+            spectral = nodes.weighed(tree, view_node, share, 4 * number)
+            tree.links.new(nodes.choose(tree, 1, view_node.outputs["ON"], tuple(plain), spectral), indices.inputs[0])
+        for channel in range(3):
+            row = 4 * number + channel
+            masked = nodes.add(tree, "ShaderNodeVectorMath", 3, row, operation="MULTIPLY")
+            masked.inputs[1].default_value = [(channel == k) / len(shares) for k in range(3)]
+            closure = nodes.add(tree, tree[_KIND], 4, row)
+            tree.links.new(source.outputs["Color"], masked.inputs[0])
+            tree.links.new(masked.outputs[0], closure.inputs["Color"])
+            tree.links.new(indices.outputs[channel], closure.inputs["IOR"])
+            for name in ("Roughness", "Normal"):
+                if name in source.outputs:
+                    tree.links.new(source.outputs[name], closure.inputs[name])
+            total = closure.outputs[0] if total is None else _sum(tree, 5, row, total, closure.outputs[0])
     tree.links.new(total, output.inputs["BSDF"])
 
 

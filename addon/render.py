@@ -78,6 +78,8 @@ def _render_to(scene, path: Path):
     image_settings |= {"color_depth": "32", "exr_codec": "NONE"}
     before = {name: getattr(scene.render, name) for name in render_settings}
     image_before = {name: getattr(output, name) for name in image_settings}
+    if not image_before["exr_codec"]:  # an old file may name a codec that is no more, which nobody could put back
+        del image_settings["exr_codec"], image_before["exr_codec"]
     try:
         for target, values in ((scene.render, render_settings), (output, image_settings)):
             for name, value in values.items():

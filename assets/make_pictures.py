@@ -6,10 +6,10 @@ from pathlib import Path
 
 import bpy
 
-from ..addon import denoise, render, setup
+from ..addon import denoise, glass, render, setup
 from ..addon.jobs import Progress
 from ..core import bases, figures, library, view
-from . import make_room
+from . import make_room, prism
 
 __all__ = ["main"]
 
@@ -19,27 +19,55 @@ _LIGHTS = {
     "tungsten left, fluorescent right": ("A", "FL2"),
     "low-pressure sodium": ("Sodium (low pressure)", "Sodium (low pressure)"),
 }
+_PRISMS = {
+    "9 channels": bases.fitted(9),
+    "15 channels": bases.fitted(15),
+    "81 wavelengths": bases.bands(81),
+}
 
 
-def main(arguments: list[str] | None = None):
+def _room(path: Path):
     """One render of the room, relit three times."""
-    from .. import register
-
-    register()
-    folder = Path((arguments or sys.argv[1:] or ["docs"])[0])
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
     scene = bpy.context.scene
     scene.cycles.samples = _SAMPLES
     setup.set_up(scene, bases.fitted(9))
-    with tempfile.TemporaryDirectory() as temporary:
-        image = render.render(scene, Path(temporary), Progress(3)).image
+    image = _rendered(scene)
     pictures = []
     for title, names in _LIGHTS.items():
         lights = {group: view.Light(library.illuminant(n)) for group, n in zip(image.groups, names, strict=True)}
         pictures.append((title, view.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
-    path = folder / "room.png"
     figures.picture_row(path, pictures)
-    print(path)
+
+
+def _prism(path: Path):
+    """A white line seen through a prism of flint glass, and every wavelength apart."""
+    pictures = []
+    for title, model in _PRISMS.items():
+        scene, node = prism.build(320, 160)
+        scene.cycles.samples = _SAMPLES
+        glass.replace(node, library.glass("SF10"))
+        setup.set_up(scene, model)
+        image = _rendered(scene)
+        lights = {group: view.Light(library.illuminant("D65")) for group in image.groups}
+        pictures.append((title, view.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
+    figures.picture_row(path, pictures)
+
+
+def _rendered(scene):
+    with tempfile.TemporaryDirectory() as temporary:
+        return render.render(scene, Path(temporary), Progress(scene.relume.model().passes)).image
+
+
+def main(arguments: list[str] | None = None):
+    """Render all of them into a folder, docs/ by default."""
+    from .. import register
+
+    register()
+    folder = Path((arguments or sys.argv[1:] or ["docs"])[0])
+    for make, name in ((_room, "room.png"), (_prism, "prism.png")):
+        make(folder / name)
+        print(folder / name)
 
 
 if __name__ == "__main__":

@@ -93,6 +93,22 @@ class FactorModel:
         """
         return self._sampled(spectra) @ self.filters
 
+    def shares(self, spectrum, steps=36, most=6):
+        """Means of a Spectrum over equal shares of each filter's weight, from blue to red -> (shares, p).
+
+        There are as many shares as give all filters together that many `steps`, `most` for each at most. They average
+        to the coefficients. What treats every wavelength apart, as refraction does, can treat each share apart.
+        Raises SpectrumError.
+        """
+        values, parts = self._sampled(spectrum), min(-(-steps // self.channels), most)
+        weights = np.maximum(self.filters, 0)
+        ends = np.cumsum(weights / weights.sum(axis=0), axis=0)[:, None] * parts  # (n, 1, p)
+        starts = np.concatenate([np.zeros_like(ends[:1]), ends[:-1]])
+        share = np.arange(parts)[:, None]
+        overlap = np.clip(np.minimum(ends, share + 1) - np.maximum(starts, share), 0, None)  # (n, parts, p)
+        means = np.einsum("n,nkp->kp", values, overlap)
+        return means + self.coefficients(spectrum) - means.mean(axis=0)
+
     def relight(self, illuminant, observer="CIE 1931 2°"):
         """XYZ of a product of coefficients under `illuminant`, with Y = 1 for a perfect white -> (3, p).
 

@@ -1,70 +1,22 @@
 """Dispersion: every channel leaves a prism at the angle that Snell's law gives its index of refraction."""
 
-import bpy
 import numpy as np
 import pytest
 from dump import differences, dump
 
 from relume.addon import glass, nodes, render, setup
+from relume.assets.prism import LINE_WIDTH, WIDTH, build, seen_at
 from relume.core import bases, library
 
-APEX = np.radians(20.0)
-DISTANCE = 10.0  # from the edge of the prism to the line below it
-WIDTH, PIXELS = 0.6, 240  # of the picture
+PIXELS = 240
 PIXEL = WIDTH / PIXELS
 INDEX = library.glass("SF10")
 
 
-def offset(n):
-    """How far a ray that comes down at x = 0 is turned aside until it meets the plane of the line, for index n."""
-    turned = np.arcsin(n * np.sin(APEX)) - APEX
-    return (DISTANCE + np.tan(APEX)) * np.tan(turned)
-
-
-LINE = offset(1.735)
-
-
-def seen_at(n):
-    """x at which the line is seen: a ray that comes down there meets it, for index n."""
-    turned = np.tan(np.arcsin(n * np.sin(APEX)) - APEX)
-    return (LINE - (DISTANCE + np.tan(APEX)) * turned) / (1 - np.tan(APEX) * turned)
-
-
 @pytest.fixture
 def prism():
-    """An orthographic camera that looks down through a prism at a white line; the glass node of the prism."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = PIXELS, 4
-    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 128, False, "BOX"
-    scene.render.engine = "CYCLES"
-    run = 2.0 * np.tan(APEX)
-    corners = [(x, y, z) for y in (-1, 1) for x, z in ((-1, 2), (1, 2), (1, 0), (-1, run))]
-    faces = [(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
-    mesh = bpy.data.meshes.new("prism")
-    mesh.from_pydata(corners, [], [face[::-1] for face in faces])
-    glassy = bpy.data.materials.new("glass")
-    mesh.materials.append(glassy)
-    scene.collection.objects.link(bpy.data.objects.new("prism", mesh))
-    tree = glassy.node_tree
-    tree.nodes.remove(tree.nodes["Principled BSDF"])
-    node = tree.nodes.new("ShaderNodeBsdfGlass")
-    tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    line = bpy.data.meshes.new("line")
-    line.from_pydata(
-        [(LINE + x, y, -DISTANCE) for x, y in ((-0.01, -5), (0.01, -5), (0.01, 5), (-0.01, 5))], [], [(0, 1, 2, 3)]
-    )
-    shining = bpy.data.materials.new("line")
-    shining.node_tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 1.0
-    line.materials.append(shining)
-    scene.collection.objects.link(bpy.data.objects.new("line", line))
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.data.type, camera.data.ortho_scale = "ORTHO", WIDTH
-    camera.location = (0, 0, 5)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
-    bpy.context.view_layer.update()
-    return scene, node
+    """The scene of the prism, and the glass node of the prism."""
+    return build(PIXELS, 4)
 
 
 def centre(row):
@@ -99,7 +51,7 @@ def test_the_spectrum_lies_where_that_of_all_wavelengths_does(prism, tmp_path):
     assert centre(xyz) == pytest.approx(expected, abs=2 * PIXEL)
     x = (np.arange(PIXELS) + 0.5) * PIXEL - WIDTH / 2
     spread = np.sqrt((xyz * (x - centre(xyz)[:, None]) ** 2).sum(axis=1) / xyz.sum(axis=1))
-    true_spread = np.sqrt((((places[:, None] - expected) ** 2) * weights).sum(axis=0) + 0.02**2 / 12)
+    true_spread = np.sqrt((((places[:, None] - expected) ** 2) * weights).sum(axis=0) + LINE_WIDTH**2 / 12)
     assert spread == pytest.approx(true_spread, rel=0.1)
 
 

@@ -163,3 +163,14 @@ def test_spectrum_objects_and_arrays_agree():
     np.testing.assert_array_equal(model.coefficients(patches), model.coefficients(table))
     np.testing.assert_allclose(model.coefficients(patches[3]), model.coefficients(table[3]), rtol=1e-14)
     assert isinstance(patches[0], Spectrum)
+
+
+@pytest.mark.parametrize(("channels", "parts"), [(3, 6), (9, 4), (36, 1), (81, 1)])
+def test_shares_of_a_filter_average_to_its_coefficient(channels, parts):
+    model = bases.bands(channels) if channels > 15 else bases.fitted(channels)
+    index = library.glass("SF10")
+    shares = model.shares(index)
+    assert shares.shape == (parts, channels)
+    assert shares.mean(axis=0) == pytest.approx(model.coefficients(index), rel=1e-12)
+    assert (np.diff(shares, axis=0) < 0).all(), "blue is refracted more than red"
+    assert np.ptp(shares, axis=0).max() < np.ptp(index.sampled())
