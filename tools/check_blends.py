@@ -34,7 +34,11 @@ def check(path: Path) -> dict:
     from relume.core import bases
 
     relume.register()
-    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    except RuntimeError:  # also what Blender says of a file of which it left out a part
+        if bpy.data.filepath != str(path):
+            raise
     scene = bpy.context.scene
     _make_renderable(scene)
     before = dump.dump()
