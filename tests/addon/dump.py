@@ -38,6 +38,14 @@ def differences(before: dict, after: dict, path: str = "") -> list[str]:
     return [] if before == after else [f"{path}: {before!r} became {after!r}"]
 
 
+def changes(before: dict) -> list[str]:
+    """What differs in the file since a dump, but for what Blender does by itself and cannot undo."""
+    blenders_own = ("Render Result",)
+    if bpy.app.version < (5, 1):
+        blenders_own += ("node_tree: None became",)  # a lamp cannot lose its nodes again
+    return [line for line in differences(before, dump()) if not any(words in line for words in blenders_own)]
+
+
 def _struct(struct, depth: int) -> dict:
     values = {}
     for prop in struct.bl_rna.properties:
