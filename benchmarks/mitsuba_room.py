@@ -10,6 +10,7 @@ luminance. Nothing is fitted: the ratio of the two pictures' luminance is printe
 
 import argparse
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -62,15 +63,19 @@ def _rectangle(mi, corners, **more) -> dict:
     return {"type": "rectangle", "to_world": mi.ScalarTransform4f(matrix), **more}
 
 
-def _scene(mi, lamp: room.Lamp, size: tuple[int, int], samples: int) -> dict:
+def _lamp(mi, lamp: room.Lamp) -> dict:
     x, y, z = lamp.centre
     half = lamp.side / 2
     corners = [(x - half, y - half, z), (x - half, y + half, z), (x + half, y + half, z), (x + half, y - half, z)]
-    emitter = {"type": "area", "radiance": _emitted(lamp)}
+    # Blender's lamps let other light through
+    return _rectangle(mi, corners, bsdf={"type": "null"}, emitter={"type": "area", "radiance": _emitted(lamp)})
+
+
+def scene(mi, lamps: Sequence[room.Lamp], size: tuple[int, int], sampler: dict) -> dict:
+    """The room lit by some of its lamps, as `mi.load_dict` takes it; size: (width, height) in pixels."""
     camera = room.CAMERA
     look = mi.ScalarTransform4f().look_at(origin=camera.position, target=camera.target, up=(0, 0, 1))
     film = {"type": "hdrfilm", "width": size[0], "height": size[1], "pixel_format": "xyz", "rfilter": {"type": "box"}}
-    sampler = {"type": "independent", "sample_count": samples}
     return {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": room.MAX_BOUNCES + 2, "rr_depth": 1000},
@@ -83,8 +88,7 @@ def _scene(mi, lamp: room.Lamp, size: tuple[int, int], samples: int) -> dict:
             "film": film,
             "sampler": sampler,
         },
-        # Blender's lamps let other light through
-        "lamp": _rectangle(mi, corners, bsdf={"type": "null"}, emitter=emitter),
+        **{lamp.name: _lamp(mi, lamp) for lamp in lamps},
         **{wall.name: _rectangle(mi, wall.corners, bsdf=_diffuse(wall.reflectance)) for wall in room.WALLS},
         **{
             sphere.name: {"type": "sphere", "center": sphere.centre, "radius": sphere.radius, "bsdf": _bsdf(sphere)}
@@ -93,23 +97,23 @@ def _scene(mi, lamp: room.Lamp, size: tuple[int, int], samples: int) -> dict:
     }
 
 
-def _unit(mi) -> float:
+def unit(mi) -> float:
     """Mitsuba's Y of a radiance whose integral with the CIE 1931 y-bar is 1 per nm: seen, not looked up."""
     flat = _spectrum(WAVELENGTHS, np.ones(WAVELENGTHS.size))
     film = {"type": "hdrfilm", "width": 16, "height": 16, "pixel_format": "xyz"}
     sensor = {"type": "perspective", "film": film, "sampler": {"type": "independent", "sample_count": 4096}}
     seen = {"type": "scene", "integrator": {"type": "direct"}, "sensor": sensor}
-    scene = mi.load_dict(seen | {"sky": {"type": "constant", "radiance": flat}})
-    return float(np.array(mi.render(scene))[..., 1].mean() / library.observer()[:, 1].sum())
+    sky = mi.load_dict(seen | {"sky": {"type": "constant", "radiance": flat}})
+    return float(np.array(mi.render(sky))[..., 1].mean() / library.observer()[:, 1].sum())
 
 
 def _render(mi, size, samples: int, seed: int) -> np.ndarray:
     """(height, width, 3) XYZ of the room under all its lamps, in Blender's unit."""
     picture = np.zeros((size[1], size[0], 3))
     for lamp in room.LAMPS:
-        scene = mi.load_dict(_scene(mi, lamp, size, samples))
-        picture += np.array(mi.render(scene, seed=seed))
-    return picture / _unit(mi)
+        described = scene(mi, [lamp], size, {"type": "independent", "sample_count": samples})
+        picture += np.array(mi.render(mi.load_dict(described), seed=seed))
+    return picture / unit(mi)
 
 
 def _blocks(picture: np.ndarray) -> np.ndarray:
@@ -130,9 +134,9 @@ def main(argv: list[str] | None = None):
 
     register()
     mi.set_variant("scalar_spectral")
-    scene = room_accuracy.open_room(arguments.samples, arguments.percent)
-    scene.cycles.pixel_filter_type = "BOX"
-    ours = room_accuracy.lit_xyz(room_accuracy.render_room(scene, bases.bands(36), "Cycles, 36 bands"), LIGHTING)
+    opened = room_accuracy.open_room(arguments.samples, arguments.percent)
+    opened.cycles.pixel_filter_type = "BOX"
+    ours = room_accuracy.lit_xyz(room_accuracy.render_room(opened, bases.bands(36), "Cycles, 36 bands"), LIGHTING)
     height, width, _ = ours.shape
     began = time.perf_counter()
     runs = [_render(mi, (width, height), arguments.samples, seed) for seed in (1, 2)]

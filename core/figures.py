@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["delta_e_maps", "error_over_time", "picture_row"]
+__all__ = ["curves", "delta_e_maps", "error_over_time", "picture_row"]
 
 _INCHES = 4.0  # width of one picture on the page
 _DPI = 120
@@ -55,12 +55,7 @@ def delta_e_maps(path: Path, maps: list[tuple[str, np.ndarray]], vmax: float = 5
 
 def error_over_time(path: Path, points: list[tuple[str, float, float, float]], marked: str) -> None:
     """Plot (name, seconds, total error, error of the model alone), both axes logarithmic; `marked` stands out."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8, 5.5), dpi=_DPI, layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
-    axis = figure.subplots()
+    figure, (axis,) = _plot(1)
     least = 0.01  # a logarithmic axis has no zero
     for name, seconds, total, model in points:
         color = "tab:red" if name == marked else "tab:blue"
@@ -78,3 +73,33 @@ def error_over_time(path: Path, points: list[tuple[str, float, float, float]], m
     axis.xaxis.set_minor_formatter("{x:g}")
     axis.set_title("Error against run time: dot with noise, dash the model alone", fontsize=11)
     figure.savefig(path)
+
+
+def curves(path: Path, panels: list[tuple[str, list]], up: str) -> None:
+    """Plot lines (name, x, y) in panels side by side, all axes logarithmic; values of 0 or less are left out.
+
+    panels: (what x is, lines) each. up: what y is. A name has the same colour everywhere, and one legend.
+    """
+    figure, axes = _plot(len(panels))
+    colors = {}
+    for axis, (across, lines) in zip(axes, panels, strict=True):
+        for name, x, y in lines:
+            color = colors.setdefault(name, f"C{len(colors)}")
+            axis.plot(x, np.where(np.asarray(y) > 0, y, np.nan), "o-", markersize=4, linewidth=1.2, color=color)
+        axis.set(xscale="log", yscale="log", xlabel=across)
+        axis.grid(True, linewidth=0.4, alpha=0.5)
+    axes[0].set_ylabel(up)
+    handles = [axes[0].plot([], [], "o-", markersize=4, color=color, label=name)[0] for name, color in colors.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=9)
+    figure.savefig(path)
+
+
+def _plot(panels: int):
+    """A figure with axes side by side, drawn without a screen."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    size = (8, 5.5) if panels == 1 else (_INCHES * panels, 4.5)
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure, np.atleast_1d(figure.subplots(1, panels, sharey=True))
