@@ -5,7 +5,6 @@ Exit status: 0 done, 1 failed with one line that says what and where, 2 wrong us
 
 import argparse
 import importlib
-import importlib.util
 import os
 import sys
 from pathlib import Path
@@ -117,6 +116,7 @@ class Failure(Exception):
 
 
 def _run(arguments: argparse.Namespace) -> None:
+    from ..core import figures
     from . import demo, jobs, report
 
     if arguments.command == "render":
@@ -125,15 +125,14 @@ def _run(arguments: argparse.Namespace) -> None:
         jobs.render_scene(bpy.context.scene, arguments)
     elif arguments.command == "relight":
         jobs.relight_file(arguments)
+    elif arguments.command == "report":
+        if arguments.scene is not None:
+            _open(arguments.scene)
+        report.run(arguments)
     else:
-        if importlib.util.find_spec("matplotlib") is None:
-            raise Failure(f"relume {arguments.command} draws with matplotlib, which this Python lacks: see the README")
-        if arguments.command == "demo":
-            demo.run(arguments.out)
-        else:
-            if arguments.scene is not None:
-                _open(arguments.scene)
-            report.run(arguments)
+        if not figures.available():
+            raise Failure("relume demo draws with matplotlib, which this Python lacks: see the README")
+        demo.run(arguments.out)
 
 
 def _open(path: Path):

@@ -3,7 +3,7 @@
 import bpy
 from bpy.types import Panel
 
-from . import mixer_panels
+from . import left_out, mixer_panels, report_panel
 from .properties import AUTO
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -82,7 +82,7 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, ImagePanel, RenderPanel)
+CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES)
 
 
 def register():
@@ -91,5 +91,6 @@ def register():
 
 
 def unregister():
+    report_panel.end()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -8,6 +8,7 @@ Each model's figures are kept in the report's folder: a stopped report goes on w
 import hashlib
 import json
 import os
+import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -25,6 +26,10 @@ _EXPLANATION = """\
 Colour differences are CIEDE2000 to the reference. *Model*: same noise on both sides, so that only the model differs.
 *Noise*: two renders with seeds of their own, samples shared among passes. *Worst lamp*: put on every light after the
 render. The first render of a run loads Cycles: of two the faster counts."""
+
+_UNDRAWN = """\
+The plot and the maps of colour differences need matplotlib, which Blender's Python lacks: `relume report` outside of
+Blender draws them in this folder, and renders nothing again."""
 
 
 @dataclass(frozen=True)
@@ -58,10 +63,12 @@ def run(arguments):
     scene = _open(blend, arguments)
     chosen = plan.choose(content.content_of(scene), scene.relume.tolerance)
     models = _models(scene, arguments, chosen.model)
+    models[_REFERENCE] = bases.bands()
     takes = _Takes(blend, arguments, folder / "renders", key)
-    reference = takes.comparable(_REFERENCE, bases.bands())
+    print(f"relume: {takes.waiting(models)} passes to render", file=sys.stderr, flush=True)
+    reference = takes.comparable(_REFERENCE, models[_REFERENCE])
     rows, pictures = [], {}
-    for name, model in [*models.items(), (_REFERENCE, bases.bands())]:
+    for name, model in models.items():
         rows.append(takes.row(name, model, reference))
         pictures[name] = takes.comparable(name, model)
     _write(folder, blend, rows, chosen, pictures, takes.lights())
@@ -116,6 +123,14 @@ class _Takes:
     def lights(self) -> dict[str, view.Light]:
         """What shines in each light group of the scene that was rendered last."""
         return {row.name: row.light() for row in bpy.context.scene.relume.light_groups}
+
+    def waiting(self, models: dict) -> int:
+        """Passes that are still to be rendered for {name: model}."""
+        renders = {
+            name: (not self._path(name, model, "exr").exists()) + 2 * (not self._path(name, model, "json").exists())
+            for name, model in models.items()
+        }
+        return sum(count * models[name].passes for name, count in renders.items())
 
     def comparable(self, name: str, model) -> coefficients.CoefficientImage:
         """The scene without differences of noise: one seed, no path ended by a channel's own brightness."""
@@ -205,22 +220,36 @@ def _difference(image, reference, lights) -> np.ndarray:
 
 def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictures: dict, lights: dict):
     """report.json, report.md and the pictures."""
-    reference = pictures.pop(_REFERENCE)
-    points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
-    figures.error_over_time(folder / "error_over_time.png", points, "automatic")
-    shown = [name for name in ("RGB", "automatic") if name in pictures]
-    maps = [(name, _difference(pictures[name], reference, lights)) for name in shown]
-    figures.delta_e_maps(folder / "delta_e.png", maps)
-    row = [(name, pictures[name]) for name in shown] + [("reference", reference)]
-    row = [(name, view.srgb_encoded(render.picture(image, lights))) for name, image in row]
-    figures.picture_row(folder / "side_by_side.png", row)
     record = {"scene": str(blend), "reason": chosen.reason, "rows": [asdict(row) for row in rows]}
     (folder / "report.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    (folder / "report.md").write_text(_markdown(blend, rows, chosen), encoding="utf-8")
+    shown = {name: pictures[name] for name in ("RGB", "automatic", _REFERENCE) if name in pictures}
+    draw = _draw if figures.available() else _save_pictures
+    drawn = draw(folder, rows, shown, lights)
+    (folder / "report.md").write_text(_markdown(blend, rows, chosen, drawn), encoding="utf-8")
     print(_table(rows))
     print(f"\nautomatic: {chosen.reason}")
-    for name in ("report.md", "report.json", "error_over_time.png", "delta_e.png", "side_by_side.png"):
+    for name in ("report.md", "report.json", *drawn):
         print(folder / name)
+
+
+def _draw(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]:
+    """The plot of error over time, the pictures side by side, their colour differences -> the files' names."""
+    drawn = ["error_over_time.png", "side_by_side.png", "delta_e.png"]
+    points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
+    figures.error_over_time(folder / drawn[0], points, "automatic")
+    row = [(name, view.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
+    figures.picture_row(folder / drawn[1], row)
+    reference = shown[_REFERENCE]
+    maps = [(name, _difference(image, reference, lights)) for name, image in shown.items() if image is not reference]
+    figures.delta_e_maps(folder / drawn[2], maps)
+    return drawn
+
+
+def _save_pictures(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]:
+    """What Blender can draw by itself: one picture for each model -> the files' names."""
+    for name, image in shown.items():
+        render.save_picture(folder / f"{name}.png", render.picture(image, lights), image)
+    return [f"{name}.png" for name in shown]
 
 
 def _table(rows: list[Row]) -> str:
@@ -235,11 +264,11 @@ def _table(rows: list[Row]) -> str:
     return "\n".join(["", *lines])
 
 
-def _markdown(blend: Path, rows: list[Row], chosen: plan.Plan) -> str:
+def _markdown(blend: Path, rows: list[Row], chosen: plan.Plan, drawn: list[str]) -> str:
     head = "| | channels | passes | seconds | of it sync | MB | model: median / 98 % / max | worst lamp: 98 % "
     head += "| noise | with noise: median / 98 % |"
     lines = [f"# {blend.name}: error against run time", "", f"Automatic: {chosen.reason}.", ""]
-    lines += ["![](error_over_time.png)", "", head, "|" + "---|" * 10]
+    lines += [head, "|" + "---|" * 10]
     for row in rows:
         model, total = row.model, row.total
         lines.append(
@@ -248,4 +277,8 @@ def _markdown(blend: Path, rows: list[Row], chosen: plan.Plan) -> str:
             f"| {row.worst:.2f} ({row.worst_light}) | {row.noise:.2f} | {total['median']:.2f} / {total['p98']:.2f} |"
         )
     lines += ["", *_EXPLANATION.splitlines(), ""]
-    return "\n".join([*lines, "![](side_by_side.png)", "", "![](delta_e.png)", ""])
+    if f"{_REFERENCE}.png" in drawn:
+        lines += [*_UNDRAWN.splitlines(), ""]
+    for name in drawn:
+        lines += [f"![{Path(name).stem.replace('_', ' ')}]({name})", ""]
+    return "\n".join(lines)

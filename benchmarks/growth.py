@@ -126,7 +126,7 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
 
 def _frames(count: int) -> tuple[float, ...]:
     """`relume render` of a few frames, and `relume relight` of what it wrote."""
-    scene = _room(_SMALL)
+    _room(_SMALL)
     with tempfile.TemporaryDirectory() as folder:
         blend = Path(folder) / "shot.blend"
         bpy.ops.wm.save_as_mainfile(filepath=str(blend))

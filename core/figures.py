@@ -1,13 +1,22 @@
 """Pictures of pictures: side by side, and maps of colour differences with a colour bar."""
 
+import importlib.util
 from pathlib import Path
 
 import numpy as np
 
-__all__ = ["curves", "delta_e_maps", "error_over_time", "picture_row"]
+__all__ = ["available", "curves", "delta_e_maps", "error_over_time", "picture_row"]
 
 _INCHES = 4.0  # width of one picture on the page
 _DPI = 120
+
+
+def available() -> bool:
+    """Whether matplotlib, which draws them, is there: Blender's own Python lacks it."""
+    try:
+        return importlib.util.find_spec("matplotlib") is not None
+    except ValueError:
+        return False  # colour-science has put a stand-in in its place
 
 
 def _page(columns: int, rows: int, aspect: float):

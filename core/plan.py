@@ -16,7 +16,7 @@ from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix
 
-__all__ = ["Candidate", "Content", "Plan", "choose", "predict"]
+__all__ = ["Candidate", "Content", "LeftOut", "Plan", "choose", "left_out", "predict"]
 
 SEED = 20240607
 PIXELS = 3000
@@ -109,6 +109,14 @@ class Plan:
         return f"{found}; {nearest.words} would reach {nearest.error:.2f} under {nearest.worst}"
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """Something that a set-up does without, and what keeping it would cost; in words."""
+
+    what: str
+    cost: str
+
+
 _NAMES = {"grey": "no colours, one channel", "bands": "the reference, {p} bands"}
 _NAMES |= {f"prefiltered {space}": f"one light, prefiltered {space} RGB" for space in bases.SPACES}
 
@@ -140,6 +148,27 @@ def predict(model: FactorModel, content: Content) -> tuple[float, str]:
         errors[light.name] = _difference(model, truth, found, true, [light], np.ones((PIXELS, 1)))
     worst = max(errors, key=errors.get)
     return errors[worst], worst
+
+
+def left_out(model: FactorModel, content: Content, pixels: int, groups: int) -> list[LeftOut]:
+    """The next finer model and the reference, against the `model` that a scene of so many pixels and light groups has.
+
+    Takes as long as weighing two candidates, about a second.
+    """
+    error, _ = predict(model, content)
+    finer = [found[0] for found in _candidates(content) if found[0].passes > model.passes]
+    rows = []
+    for each in dict.fromkeys([*finer[:1], *finer[-1:]]):
+        candidate, more = Candidate(each, *predict(each, content)), each.passes - model.passes
+        megabytes = more * pass_bytes(pixels, groups) / 1e6
+        cost = f"{more} more pass{'es' if more > 1 else ''} and {megabytes:.0f} MB"
+        rows.append(LeftOut(candidate.words, f"{cost}; ΔE {candidate.error:.2f} in place of {error:.2f}"))
+    return rows
+
+
+def pass_bytes(pixels: int, groups: int) -> int:
+    """Memory of one pass of a render: Blender keeps four floats for the whole picture and for each light group."""
+    return pixels * (groups + 1) * 4 * 4
 
 
 def _candidates(content: Content) -> Iterator[list[FactorModel]]:

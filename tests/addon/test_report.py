@@ -1,11 +1,13 @@
 """`relume report`: error against run time, resumable, with the planner's choice among the rows."""
 
 import json
+import sys
+import types
 
 import bpy
 import pytest
 
-from relume.addon import commands
+from relume.addon import background, commands, left_out, setup
 
 ARGUMENTS = ("--channels", "6", "--models", "rgb", "fitted", "--samples", "4", "--percent", "6")
 
@@ -56,3 +58,68 @@ def test_a_changed_scene_is_rendered_anew(reported, capfd):
     capfd.readouterr()
     assert commands.execute(arguments) == 0
     assert "RGB" in capfd.readouterr().err
+
+
+def test_without_matplotlib_there_are_plain_pictures(reported, monkeypatch, capfd):
+    arguments, folder = reported
+    monkeypatch.setitem(sys.modules, "matplotlib", types.ModuleType("matplotlib"))  # what colour-science leaves there
+    capfd.readouterr()
+    assert commands.execute(arguments) == 0
+    assert "relume: 0 passes to render" in capfd.readouterr().err
+    text = (folder / "report.md").read_text()
+    for name in ("RGB.png", "automatic.png", "reference.png"):
+        assert f"]({name})" in text and (folder / name).stat().st_size > 500
+    assert "error_over_time.png" not in text and "renders nothing again" in text
+
+
+def test_the_button_needs_a_saved_file(startup):
+    with pytest.raises(RuntimeError, match="save the file first"):
+        bpy.ops.relume.report()
+
+
+def test_the_button_makes_a_report_beside_blender(room, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "little.blend"))
+    room.relume.channels = "3"
+    assert bpy.ops.relume.report(percent=4, samples=3, folder=str(tmp_path / "out")) == {"FINISHED"}
+    report = background.current()
+    assert report.is_running and not bpy.ops.relume.report.poll()
+    assert room.relume.channels == "3", "what the artist goes on with stays"
+    report.wait(300)
+    assert report.words == "done", report.words
+    assert report.part == 1.0
+    assert {"RGB", "9 channels", "automatic", "reference"} <= {row["name"] for row in report.rows}
+    assert (tmp_path / "out/report.md").is_file()
+
+
+def test_a_report_that_fails_says_why(room, tmp_path):
+    (tmp_path / "out").write_text("a file in the way")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "little.blend"))
+    bpy.ops.relume.report(percent=4, samples=3, folder=str(tmp_path / "out"))
+    report = background.current()
+    report.wait(60)
+    assert "out: cannot write there" in report.words and not report.rows
+
+
+def test_a_report_can_be_stopped(room, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "little.blend"))
+    bpy.ops.relume.report(percent=100, folder=str(tmp_path / "out"))
+    bpy.ops.relume.stop_report()
+    report = background.current()
+    report.wait(60)
+    assert not report.is_running and report.words.startswith("stopped")
+    assert not (tmp_path / "out/report.md").exists()
+
+
+def test_what_was_left_out_and_what_it_would_cost(room):
+    room.relume.channels = "auto"
+    room.view_layers[0].use_pass_z = room.view_layers[0].use_pass_normal = True
+    bpy.data.materials.new("unseen").use_fake_user = True
+    setup.set_up(room)
+    passes = room.relume.model().passes
+    told = {row.what: row.cost for row in left_out.work_out(room)}
+    finer = next(iter(told))
+    assert int(finer.split()[0]) == 3 * (passes + 1), "the next model has a pass more"
+    assert told[finer].startswith("1 more pass and") and "ΔE 0." in told[finer]
+    assert f"{12 - passes} more passes" in told["the reference, 36 bands"]
+    assert "MB" in told["2 other render passes, in all view layers but the first"]
+    assert "1 material that this scene does not show" in told

@@ -1,0 +1,51 @@
+"""The panels *Left Out* and *Report* in the real window, and a report that a second Blender makes."""
+
+import json
+import shutil
+from pathlib import Path
+
+ROOM = Path(__file__).resolve().parents[2] / "assets/room.blend"
+
+
+def test_what_was_left_out_and_a_report(window, tmp_path):
+    scene = tmp_path / "little.blend"
+    shutil.copy(ROOM, scene)
+    pictures = window(
+        """
+import sys
+
+import bpy
+
+
+def steps():
+    for name in ("VIEW3D_PT_relume_left_out", "VIEW3D_PT_relume_report"):
+        panel = getattr(bpy.types, name)
+        bpy.utils.unregister_class(panel)
+        del panel.bl_parent_id
+        panel.bl_options, panel.bl_order = set(), -1  # open, and where the photograph shows them whole
+        bpy.utils.register_class(panel)
+    area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
+    area.spaces.active.show_region_ui = True
+    yield
+    next(region for region in area.regions if region.type == "UI").active_panel_category = "Relume"
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    for _ in range(4):
+        yield
+    yield "left_out.png"
+    assert bpy.ops.relume.report(percent=3, samples=2, folder=FOLDER) == {"FINISHED"}
+    report = sys.modules["bl_ext.user_default.relume.addon.background"].current()
+    while report.is_running and report.part < 0.3:
+        yield
+    yield "report_running.png"
+    while report.is_running:
+        yield
+    assert report.words == "done", report.words
+    for _ in range(4):
+        yield
+    yield "report_done.png"
+""".replace("FOLDER", repr(str(tmp_path / "report"))),
+        scene,
+    )
+    assert len(pictures) == 3
+    rows = json.loads((tmp_path / "report/report.json").read_text())["rows"]
+    assert {"RGB", "9 channels", "automatic", "reference"} <= {row["name"] for row in rows}
