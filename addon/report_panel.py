@@ -103,13 +103,15 @@ class _Report:
 
 
 def _draw_rows(layout, report):
-    grid = layout.grid_flow(row_major=True, columns=3, even_columns=False, align=True)
-    for text in ("", "seconds", "ΔE, 98 %"):
-        grid.label(text=text)
-    for row in report.rows[:_SHOWN]:
-        grid.label(text=row["name"])
-        grid.label(text=f"{row['seconds']:.1f}")
-        grid.label(text=f"{row['model']['p98']:.2f}")
+    column = layout.column(align=True)
+    cells = [("", "seconds", "ΔE, 98 %")]
+    cells += [(r["name"], f"{r['seconds']:.3g}", f"{r['model']['p98']:.2f}") for r in report.rows[:_SHOWN]]
+    for name, *numbers in cells:
+        line = column.split(factor=0.55)
+        line.label(text=name)
+        line = line.row()
+        for number in numbers:
+            line.label(text=number)
     layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(report.folder)
 
 

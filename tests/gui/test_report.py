@@ -17,12 +17,20 @@ import sys
 import bpy
 
 
+def scroll_down():
+    for _ in range(20):
+        for kind in ("MOUSEMOVE", "WHEELDOWNMOUSE"):
+            value = "NOTHING" if kind == "MOUSEMOVE" else "PRESS"
+            bpy.context.window.event_simulate(type=kind, value=value, x=1150, y=400)
+        yield
+    bpy.context.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=500, y=400)
+
+
 def steps():
     for name in ("VIEW3D_PT_relume_left_out", "VIEW3D_PT_relume_report"):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)
-        del panel.bl_parent_id
-        panel.bl_options, panel.bl_order = set(), -1  # open, and where the photograph shows them whole
+        panel.bl_options = set()  # open
         bpy.utils.register_class(panel)
     area = next(area for area in bpy.context.screen.areas if area.type == "VIEW_3D")
     area.spaces.active.show_region_ui = True
@@ -31,6 +39,7 @@ def steps():
     assert bpy.ops.relume.set_up() == {"FINISHED"}
     for _ in range(4):
         yield
+    yield from scroll_down()
     yield "left_out.png"
     assert bpy.ops.relume.report(percent=3, samples=2, folder=FOLDER) == {"FINISHED"}
     report = sys.modules["bl_ext.user_default.relume.addon.background"].current()
@@ -40,11 +49,11 @@ def steps():
     while report.is_running:
         yield
     assert report.words == "done", report.words
-    for _ in range(4):
-        yield
+    yield from scroll_down()
     yield "report_done.png"
 """.replace("FOLDER", repr(str(tmp_path / "report"))),
         scene,
+        "--enable-event-simulate",
     )
     assert len(pictures) == 3
     rows = json.loads((tmp_path / "report/report.json").read_text())["rows"]
