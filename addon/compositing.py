@@ -4,7 +4,7 @@ import bpy
 
 from ..core import view
 from ..core.coefficients import EVERYTHING_ELSE
-from . import nodes, passes
+from . import denoise, nodes, passes
 
 __all__ = [
     "add",
@@ -73,12 +73,22 @@ def _feed(tree, first, group, copies, groups):
             tree.links.new(node.outputs[image], recombination.inputs[f"{name} {k + 1}"])
     picture = recombination.outputs["Image"]
     if first.scene.cycles.use_denoising:
-        # Light groups come out of Cycles undenoised, and coefficients are no picture yet
-        denoise = _added(tree, "CompositorNodeDenoise", first, 2.3, 0)
-        tree.links.new(picture, denoise.inputs["Image"])
-        picture = denoise.outputs["Image"]
+        picture = _denoise(tree, first, picture)
     for user in users:
         tree.links.new(picture, user)
+
+
+def _denoise(tree, first, picture):
+    """Denoise the recombined picture as Cycles would: its light groups come out undenoised, and no pass is a picture.
+
+    It stands behind the recombination, so that one denoising does whatever the number of passes and light groups.
+    """
+    node = _added(tree, "CompositorNodeDenoise", first, 2.3, 0)
+    tree.links.new(picture, node.inputs["Image"])
+    for guide in denoise.guides_of(first.scene):
+        tree.links.new(first.outputs[f"Denoising {guide}"], node.inputs[guide])
+    node.inputs["Prefilter"].default_value = denoise.prefilter_of(first.scene)
+    return node.outputs["Image"]
 
 
 def _added(tree, kind: str, beside, column: float, row: int):

@@ -109,8 +109,11 @@ def render_scene(scene, arguments):
 
 def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) -> dict:
     progress = Progress(scene.relume.model().passes, f"rendering {name}")
+    denoises = scene.cycles.use_denoising and denoise.available()
+    if scene.cycles.use_denoising and not denoises:
+        print("relume: this Blender has no denoiser; the pictures keep their noise", file=sys.stderr)
     try:
-        rendered = render.render(scene, folder, progress)
+        rendered = render.render(scene, folder, progress, denoise.guides_of(scene) if denoises else None)
     finally:
         progress.done()
     image = rendered.image
@@ -119,12 +122,8 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
     if plain:
         # The scene's own mix is a picture of its own only where the caller asked for no other
         mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}
-    pictures = {n: render.picture(image, mix) for n, mix in mixes.items()}
-    if scene.cycles.use_denoising:
-        if denoise.available():
-            pictures = {n: denoise.denoised(rgb) for n, rgb in pictures.items()}
-        else:
-            print("relume: this Blender has no denoiser; the pictures keep their noise", file=sys.stderr)
+    clean = denoise.denoised_image(image, rendered.guides, denoise.prefilter_of(scene)) if denoises else image
+    pictures = {n: render.picture(clean, mix) for n, mix in mixes.items()}
     lit = render.picture(image, lights)
     written = []
     try:

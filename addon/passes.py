@@ -101,7 +101,9 @@ def add(scene, model, groups: list[str], sampling: Sampling):
             for name, values in sampling.driven.items():
                 layer[_DRIVEN.format(name)] = values[k]
             layer.cycles.use_denoising = False
-            layer.cycles.denoising_store_passes = False
+            # The denoiser's guides: those of the first pass do for the recombined picture
+            guided = scene.cycles.use_denoising or source.cycles.denoising_store_passes
+            layer.cycles.denoising_store_passes = guided and k == 0
             if k:
                 _keep_only_light_passes(layer)
             for group in groups:

@@ -2,11 +2,13 @@
 
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
@@ -21,26 +23,33 @@ class RenderError(RuntimeError):
 
 @dataclass(frozen=True)
 class Rendered:
-    """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass."""
+    """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass.
+
+    guides: what the denoiser may look at in each pass, as `denoise.denoised` takes it; empty if it was not asked for.
+    """
 
     image: CoefficientImage
     times: dict[str, dict[str, float]]
+    guides: tuple[dict[str, np.ndarray], ...] = ()
 
 
-def render(scene, folder: Path, progress: Callable[[int, float], None] | None = None) -> Rendered:
+def render(
+    scene, folder: Path, progress: Callable[[int, float], None] | None = None, guides: Sequence[str] | None = None
+) -> Rendered:
     """Render the current frame of a scene that is set up. `folder` is for Blender's own file, which is deleted.
 
-    progress(pass, part of it done) is called as the render goes. Only the first of the artist's view layers
-    is read. Raises RenderError.
+    progress(pass, part of it done) is called as the render goes. guides: names of what the denoiser is to have of every
+    pass, None where nothing is to be denoised. Only the first of the artist's view layers is read. Raises RenderError.
     """
     layers = next(iter(passes.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
     groups = [group.name for group in scene.relume.light_groups]
     with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
         path = Path(temporary) / "passes.exr"
-        with _Progress(progress):
+        with _Progress(progress), _storing_guides(layers if guides else ()):
             _render_to(scene, path)
         try:
+            found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
             times = coefficients.read_render_times(path, names)
         except coefficients.CoefficientImageError as error:
@@ -66,7 +75,21 @@ def render(scene, folder: Path, progress: Callable[[int, float], None] | None = 
             observer=chosen["observer"],
         ),
         times,
+        found,
     )
+
+
+@contextmanager
+def _storing_guides(layers):
+    """While it lasts, these view layers store what the denoiser looks at."""
+    before = [layer.cycles.denoising_store_passes for layer in layers]
+    for layer in layers:
+        layer.cycles.denoising_store_passes = True
+    try:
+        yield
+    finally:
+        for layer, stored in zip(layers, before, strict=True):
+            layer.cycles.denoising_store_passes = stored
 
 
 def _render_to(scene, path: Path):

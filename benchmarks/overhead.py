@@ -7,8 +7,10 @@ The scenes are set up as an artist would: the passes share the samples. In RGB, 
 illuminants. The set-ups take turns, so that a busy machine slows all of them; what is printed are ratios to RGB. Time:
 median over runs. Variance of luminance over runs: in the median pixel and on average over pixels, as part of the
 pixel's own luminance squared; and in the picture, the mean variance as part of the mean luminance squared. Colour
-error: mean CIEDE2000 of a run to a long render of its own kind, as rendered and denoised. `--variants` takes away, one
-after the other, what keeps noise low.
+error: mean CIEDE2000 of a run to a long render of its own kind: as rendered; denoised by the picture alone; denoised
+with albedo and normal as guides, Blender's own way and the compositor's; and every pass of every light group denoised
+with guides before recombination, as `relume render` does. RGB has but one way to be denoised with guides.
+`--variants` takes away, one after the other, what keeps noise low.
 """
 
 import argparse
@@ -29,6 +31,7 @@ from . import hard_scenes
 
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
 _LONG_RUN = 0  # its seed
+_GUIDES = ("Albedo", "Normal")
 _SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": hard_scenes.glossy_and_glass}
 # Each takes away one more: (words, module, function, what stands in for it); with a noise threshold, only the other
 _VARIANTS = [
@@ -42,13 +45,14 @@ _THRESHOLD = [("one threshold for all", sampling, "adaptive", lambda threshold, 
 
 @dataclass
 class Row:
-    """A way to render, and what its runs gave: seconds, linear pictures (height, width, 3)."""
+    """A way to render, and what its runs gave: seconds, linear pictures (height, width, 3) as rendered, denoised."""
 
     words: str
     channels: int = 0  # 0 for Blender's own RGB
     without: list = field(default_factory=list)  # what is taken away
     seconds: list = field(default_factory=list)
     pictures: list = field(default_factory=list)
+    clean: list = field(default_factory=list)  # of each run, denoised by the picture alone, with guides, pass by pass
     long_run: np.ndarray | None = None
 
 
@@ -60,8 +64,8 @@ def _with_one_seed(scene, model) -> sampling.Sampling:
     return sampling.same(model.passes, -(-scene.cycles.samples // model.passes))
 
 
-def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[float, np.ndarray]:
-    """Seconds, and the picture (height, width, 3) in Rec.709, of the scene in a file."""
+def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[float, np.ndarray, list]:
+    """Seconds, the picture (height, width, 3) in Rec.709 and, but for the long run, its denoised versions."""
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, samples
@@ -73,15 +77,20 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
             light_group.illuminant = arguments.illuminant
     if not row.channels:
         _color_lamps(scene)
-        return _plain(scene, path.with_name("plain.exr"))
+        return _plain(scene, path.with_name("plain.exr"), seed)
     with ExitStack() as patches:
         for _, module, name, stand_in in row.without:
             patches.enter_context(mock.patch.object(module, name, stand_in))
         setup.set_up(scene, bases.fitted(row.channels))
     began = time.perf_counter()
-    image = render.render(scene, path.parent).image
+    rendered = render.render(scene, path.parent, guides=None if seed == _LONG_RUN else _GUIDES)
     seconds = time.perf_counter() - began
-    return seconds, render.picture(image, {group.name: group.light() for group in scene.relume.light_groups})
+    lights = {group.name: group.light() for group in scene.relume.light_groups}
+    picture = render.picture(rendered.image, lights)
+    if seed == _LONG_RUN:
+        return seconds, picture, []
+    apart = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
+    return seconds, picture, [denoise.denoised(picture), denoise.denoised(picture, rendered.guides[0]), apart]
 
 
 def _color_lamps(scene):
@@ -93,13 +102,22 @@ def _color_lamps(scene):
             thing.data.color = np.maximum(to_rgb @ model.relight(light.illuminant).sum(axis=1), 0.0)
 
 
-def _plain(scene, path: Path) -> tuple[float, np.ndarray]:
-    output = scene.render.image_settings
-    output.media_type, output.file_format, output.color_depth = "IMAGE", "OPEN_EXR", "32"
+def _plain(scene, path: Path, seed: int) -> tuple[float, np.ndarray, list]:
+    output, (layer,) = scene.render.image_settings, scene.view_layers
+    output.media_type, output.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
+    output.color_depth = "32"
+    layer.cycles.denoising_store_passes = True
     scene.render.filepath = str(path)
     began = time.perf_counter()
     bpy.ops.render.render(write_still=True)
-    return time.perf_counter() - began, coefficients.read_rgb(path)
+    seconds = time.perf_counter() - began
+    groups, _ = coefficients.read_render(path, bases.rgb(), [layer.name], [coefficients.EVERYTHING_ELSE])
+    picture = groups[coefficients.EVERYTHING_ELSE]
+    if seed == _LONG_RUN:
+        return seconds, picture, []
+    (guides,) = coefficients.read_guides(path, [layer.name], _GUIDES)
+    guided = denoise.denoised(picture, guides)
+    return seconds, picture, [denoise.denoised(picture), guided, guided]
 
 
 def _variance(row: Row) -> np.ndarray:
@@ -111,23 +129,24 @@ def _variance(row: Row) -> np.ndarray:
 
 
 def _color_error(row: Row, white: np.ndarray) -> np.ndarray:
-    """Mean CIEDE2000 to the long run: as rendered, and denoised."""
+    """Mean CIEDE2000 to the long run: as rendered, and denoised in each way."""
     to_xyz = upsample.rgb_to_xyz()
     truth = row.long_run @ to_xyz.T
-    clean = [denoise.denoised(picture) for picture in row.pictures]
-    return np.array(
-        [measure.picture_delta_E(np.array(p) @ to_xyz.T, truth, white).mean() for p in (row.pictures, clean)]
-    )
+    ways = [row.pictures, *zip(*row.clean, strict=True)]
+    return np.array([measure.picture_delta_E(np.array(way) @ to_xyz.T, truth, white).mean() for way in ways])
 
 
 def _table(rows: list[Row], white: np.ndarray) -> list[str]:
     plain = rows[0]
-    lines = ["| over RGB | time | variance: median pixel | mean | picture | ΔE2000 | denoised |", "|---|" + "---|" * 6]
+    head = "| over RGB | time | variance: median pixel | mean | picture | ΔE2000 "
+    head += "| denoised: picture alone | with guides | each pass |"
+    lines = [head, "|---|" + "---|" * 8]
     for row in rows:
         ratios = [np.median(np.array(row.seconds) / np.array(plain.seconds))]
         ratios += [*(_variance(row) / _variance(plain)), *(_color_error(row, white) / _color_error(plain, white))]
         lines.append(f"| {row.words} |" + "".join(f" {ratio:.2f} |" for ratio in ratios))
-    return lines
+    shown = " / ".join(f"{error:.2f}" for error in _color_error(plain, white))
+    return [*lines, "", f"ΔE2000 of RGB itself: {shown}"]
 
 
 def _measure(path: Path, arguments) -> list[Row]:
@@ -141,9 +160,10 @@ def _measure(path: Path, arguments) -> list[Row]:
     for run in range(arguments.runs):
         for row in rows:
             row.long_run = long_runs[row.channels]
-            seconds, picture = _render(row, path, arguments, run + 1, arguments.samples)
+            seconds, picture, clean = _render(row, path, arguments, run + 1, arguments.samples)
             row.seconds.append(seconds)
             row.pictures.append(picture)
+            row.clean.append(clean)
     return rows
 
 

@@ -25,6 +25,7 @@ __all__ = [
     "channel_names",
     "describe",
     "read",
+    "read_guides",
     "read_render",
     "read_render_times",
     "read_rgb",
@@ -185,6 +186,21 @@ def read_render(
     if alpha is None:
         alpha = np.ones(next(iter(coefficients.values())).shape[:2], dtype=np.float32)
     return {group: coefficients[group] for group in groups}, alpha
+
+
+def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:
+    """For each view layer {name: (height, width, 3)} of what Cycles noted for its denoiser: "Albedo", "Normal".
+
+    Raises CoefficientImageError where the render did not store them.
+    """
+    path, parts = Path(path), {"Albedo": "RGB", "Normal": "XYZ"}
+    wanted = {(layer, n): [f"{layer}.Denoising {n}.{c}" for c in parts[n]] for layer in layers for n in names}
+    channels = _channels(path, {channel for each in wanted.values() for channel in each}.__contains__)
+    missing = [channel for each in wanted.values() for channel in each if channel not in channels]
+    if missing:
+        raise CoefficientImageError(f"{path}: pass {missing[0]!r} is missing; the denoiser needs it")
+    stacked = {key: np.stack([channels[channel] for channel in each], axis=-1) for key, each in wanted.items()}
+    return [{name: stacked[layer, name] for name in names} for layer in layers]
 
 
 def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict[str, float]]:

@@ -1,0 +1,92 @@
+"""Denoising: guided, pass by pass on the command line, once in the compositor."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from relume.addon import commands, denoise, passes, render, setup
+from relume.core import bases, coefficients, measure, upsample, view
+
+pytestmark = pytest.mark.skipif(not denoise.available(), reason="this Blender has no denoiser")
+
+
+@pytest.fixture
+def noisy(room):
+    """The room, with the denoiser on."""
+    room.relume.split_samples, room.cycles.use_denoising = True, True
+    room.cycles.samples = 48
+    return room
+
+
+def denoisers(scene):
+    return [node for node in scene.compositing_node_group.nodes if node.type == "DENOISE"]
+
+
+def test_the_compositor_denoises_once_with_the_guides_of_the_first_pass(noisy):
+    setup.set_up(noisy)
+    (node,) = denoisers(noisy)
+    layers = passes.pass_layers(noisy)["ViewLayer"]
+    for guide in ("Albedo", "Normal"):
+        assert node.inputs[guide].links[0].from_node.layer == layers[0].name
+    assert [layer.cycles.denoising_store_passes for layer in layers] == [True, False, False]
+    setup.remove(noisy)
+    assert not noisy.view_layers[0].cycles.denoising_store_passes
+
+
+def test_the_compositor_follows_the_artists_choice_of_guides(noisy):
+    noisy.cycles.denoising_input_passes, noisy.cycles.denoising_prefilter = "RGB", "FAST"
+    setup.set_up(noisy)
+    (node,) = denoisers(noisy)
+    assert not node.inputs["Albedo"].is_linked and not node.inputs["Normal"].is_linked
+    assert node.inputs["Prefilter"].default_value == "Fast"
+
+
+def test_each_pass_by_itself_leaves_the_least_error(noisy, tmp_path):
+    setup.set_up(noisy, bases.fitted(9))
+    rendered = render.render(noisy, tmp_path, guides=denoise.guides_of(noisy))
+    assert len(rendered.guides) == 3 and set(rendered.guides[0]) == {"Albedo", "Normal"}
+    assert not passes.pass_layers(noisy)["ViewLayer"][2].cycles.denoising_store_passes, "put back"
+    noisy.cycles.samples = 1500
+    setup.set_up(noisy, bases.fitted(9))
+    long_run = render.render(noisy, tmp_path)
+    assert long_run.guides == ()
+    lights = {row.name: row.light() for row in noisy.relume.light_groups}
+    truth, noise = (render.picture(each.image, lights) for each in (long_run, rendered))
+    apart = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
+    together = denoise.denoised(noise, rendered.guides[0])
+
+    def error(picture):
+        to_xyz = upsample.rgb_to_xyz()
+        white = view.mixed_white(list(lights.values()), bases.bands())
+        return measure.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean()
+
+    assert error(apart) < error(together) < 0.6 * error(noise)
+
+
+def test_part_empty_passes_and_negative_coefficients_stay_what_they_are():
+    height, width = 24, 32
+    values = np.tile(np.array([0.4, 0.8, -0.2, 0.6]), (height, width, 1)).astype(np.float32)
+    image = coefficients.CoefficientImage(bases.fitted(4), {"a": values}, {}, np.ones((height, width)))
+    clean = denoise.denoised_image(image, [{}, {}]).groups["a"]
+    assert clean.shape == values.shape
+    # A plain picture is none to the denoiser: it dapples it by a few per cent
+    assert np.allclose(np.median(clean, axis=(0, 1)), values[0, 0], atol=0.05)
+
+
+def test_the_command_keeps_the_coefficients_as_they_were_rendered(noisy, tmp_path):
+    blend = tmp_path / "little.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    render_it = ["render", str(blend), "--samples", "6", "--illuminant", "D65", "A", "--out"]
+    assert commands.execute([*render_it, str(tmp_path / "clean")]) == 0
+    noisy = bpy.context.scene
+    setup.remove(noisy)
+    noisy.cycles.use_denoising = False
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert commands.execute([*render_it, str(tmp_path / "noisy")]) == 0
+    kept = [coefficients.read(tmp_path / name / "little.exr").groups["tungsten"] for name in ("clean", "noisy")]
+    assert np.array_equal(*kept)
+    shown = [(tmp_path / name / "little_A.png").read_bytes() for name in ("clean", "noisy")]
+    assert shown[0] != shown[1]
+    assert json.loads((tmp_path / "clean/summary.json").read_text())["passes"] == 3
