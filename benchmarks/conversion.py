@@ -16,6 +16,7 @@ from ..addon import setup
 from ..core import bases
 
 _NODES = 25
+_ANIMATED = 10  # one in so many materials
 
 
 def _shared_group():
@@ -61,11 +62,20 @@ def _material(index: int, group, image):
         tree.links.new(source, target)
     principled.inputs["Coat Weight"].default_value = 0.5
     principled.inputs["Coat Tint"].default_value = (0.9, 0.7, 0.5, 1.0)
-    if index % 10 == 0:
+    if index % _ANIMATED == 0:
         tree.keyframe_insert(emission.inputs["Color"].path_from_id("default_value"), frame=1)
     while len(tree.nodes) < _NODES:
         tree.nodes.new("ShaderNodeMath")
     return material
+
+
+def _copy(material, index: int):
+    """Another material like it: to build each anew takes Blender a look at the whole file for each of its links."""
+    copied = material.copy()
+    copied.name = f"material {index}"
+    if copied.node_tree.animation_data:
+        copied.node_tree.animation_data.action = copied.node_tree.animation_data.action.copy()
+    return copied
 
 
 def generate(materials: int):
@@ -74,9 +84,10 @@ def generate(materials: int):
     scene = bpy.context.scene
     scene.relume.channels = "9"
     cube, group, image = bpy.data.objects["Cube"], _shared_group(), bpy.data.images.new("image", 8, 8)
+    kinds = [_material(index, group, image) for index in range(min(materials, 2))]  # animated, and not
     for index in range(materials):
         mesh = cube.data.copy()
-        mesh.materials[0] = _material(index, group, image)
+        mesh.materials[0] = kinds[index] if index < len(kinds) else _copy(kinds[index % _ANIMATED > 0], index)
         scene.collection.objects.link(bpy.data.objects.new(f"object {index}", mesh))
     bpy.data.objects.remove(cube)
     return scene

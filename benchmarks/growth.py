@@ -10,10 +10,11 @@ than `n^1.15` is marked.
 """
 
 import argparse
-import multiprocessing
+import json
+import subprocess
+import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import bpy
@@ -34,8 +35,16 @@ _AXES = {
 }
 _CHANNELS = 9
 _FASTER = 1.15  # exponents above it are marked
-_SMALL = (96, 72)
+_SMALL = (240, 180)
 _WIDE = 16 / 9
+
+
+def _warm_up():
+    """What happens once in a session: libraries and Cycles' kernels are loaded."""
+    scene, model = _materials(1)
+    setup.set_up(scene, model)
+    with tempfile.TemporaryDirectory() as folder:
+        render.render(scene, Path(folder))
 
 
 def _materials(count):
@@ -103,6 +112,7 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
     from .. import register
 
     register()
+    _warm_up()
     if axis == "frames":
         return _frames(count)
     scene, model = {
@@ -122,6 +132,15 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
     sync = sum(times["sync_seconds"] for times in rendered.times.values())
     _, remove = _seconds(setup.remove, scene)
     return set_up, remove, sync, seconds, recombination, memory
+
+
+def _in_a_process(axis: str, count: float) -> list[float]:
+    """`_point` in a Python of its own, which prints it last. Raises RuntimeError with what that Python said."""
+    command = [sys.executable, "-m", __spec__.name, "--point", axis, str(count)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        raise RuntimeError(f"{axis} {count:g} failed:\n{done.stdout}")
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 def _frames(count: int) -> tuple[float, ...]:
@@ -166,19 +185,22 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--axes", nargs="+", choices=_AXES, default=list(_AXES), metavar="NAME", help="(all)")
     parser.add_argument("--most", type=float, default=np.inf, metavar="N", help="leave out what has more than this")
     parser.add_argument("--out", type=Path, default=Path("out/growth"), metavar="DIR")
+    parser.add_argument("--point", nargs=2, metavar=("NAME", "N"), help=argparse.SUPPRESS)
     arguments = parser.parse_args(argv)
 
-    fresh = multiprocessing.get_context("spawn")
+    if arguments.point:
+        axis, count = arguments.point[0], float(arguments.point[1])
+        print(json.dumps(_point(axis, count if axis == "megapixels" else int(count))), flush=True)
+        return
     lines, panels = ["Seconds, and megabytes."], []
-    with ProcessPoolExecutor(1, mp_context=fresh, max_tasks_per_child=1) as process:
-        for axis in arguments.axes:
-            counts = [count for count in _AXES[axis] if count <= arguments.most]
-            points = [process.submit(_point, axis, count).result() for count in counts]
-            table = ["", *_table(axis, counts, points)]
-            print("\n".join(table), flush=True)
-            lines += table
-            columns = zip(_COLUMNS, zip(*points, strict=True), strict=True)
-            panels.append((axis, [(name, counts, column) for name, column in columns]))
+    for axis in arguments.axes:
+        counts = [count for count in _AXES[axis] if count <= arguments.most]
+        points = [_in_a_process(axis, count) for count in counts]
+        table = ["", *_table(axis, counts, points)]
+        print("\n".join(table), flush=True)
+        lines += table
+        columns = zip(_COLUMNS, zip(*points, strict=True), strict=True)
+        panels.append((axis, [(name, counts, column) for name, column in columns]))
     arguments.out.mkdir(parents=True, exist_ok=True)
     (arguments.out / "growth.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     figures.curves(arguments.out / "growth.png", panels, "seconds; megabytes")
