@@ -30,9 +30,9 @@ from ..core import bases, coefficients, grouping, measure, sampling, upsample, v
 from . import hard_scenes
 
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
-_LONG_RUN = 0  # its seed
-_GUIDES = ("Albedo", "Normal")
-_SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": hard_scenes.glossy_and_glass}
+LONG_RUN = 0  # its seed
+GUIDES = ("Albedo", "Normal")
+SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": hard_scenes.glossy_and_glass}
 # Each takes away one more: (words, module, function, what stands in for it); with a noise threshold, only the other
 _VARIANTS = [
     ("even shares", sampling, "shares", lambda model, lights: np.full(model.passes, 1 / model.passes)),
@@ -70,30 +70,30 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, samples
     scene.cycles.seed = _SEED_STEP * seed
-    if arguments.threshold and seed != _LONG_RUN:
+    if arguments.threshold and seed != LONG_RUN:
         scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, arguments.threshold
     if arguments.illuminant:
         for light_group in scene.relume.light_groups:
             light_group.illuminant = arguments.illuminant
     if not row.channels:
-        _color_lamps(scene)
+        color_lamps(scene)
         return _plain(scene, path.with_name("plain.exr"), seed)
     with ExitStack() as patches:
         for _, module, name, stand_in in row.without:
             patches.enter_context(mock.patch.object(module, name, stand_in))
         setup.set_up(scene, bases.fitted(row.channels))
     began = time.perf_counter()
-    rendered = render.render(scene, path.parent, guides=None if seed == _LONG_RUN else _GUIDES)
+    rendered = render.render(scene, path.parent, guides=None if seed == LONG_RUN else GUIDES)
     seconds = time.perf_counter() - began
     lights = {group.name: group.light() for group in scene.relume.light_groups}
     picture = render.picture(rendered.image, lights)
-    if seed == _LONG_RUN:
+    if seed == LONG_RUN:
         return seconds, picture, []
     apart = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
     return seconds, picture, [denoise.denoised(picture), denoise.denoised(picture, rendered.guides[0]), apart]
 
 
-def _color_lamps(scene):
+def color_lamps(scene):
     """Give each lamp the colour of what shines in its light group."""
     model, to_rgb = bases.bands(), view.xyz_to_rgb()
     for thing in scene.objects:
@@ -103,6 +103,15 @@ def _color_lamps(scene):
 
 
 def _plain(scene, path: Path, seed: int) -> tuple[float, np.ndarray, list]:
+    seconds, picture, guides = plain(scene, path)
+    if seed == LONG_RUN:
+        return seconds, picture, []
+    guided = denoise.denoised(picture, guides)
+    return seconds, picture, [denoise.denoised(picture), guided, guided]
+
+
+def plain(scene, path: Path) -> tuple[float, np.ndarray, dict]:
+    """Blender's own render of a scene: seconds, the picture (height, width, 3), what its denoiser may look at."""
     output, (layer,) = scene.render.image_settings, scene.view_layers
     output.media_type, output.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
     output.color_depth = "32"
@@ -112,12 +121,8 @@ def _plain(scene, path: Path, seed: int) -> tuple[float, np.ndarray, list]:
     bpy.ops.render.render(write_still=True)
     seconds = time.perf_counter() - began
     groups, _ = coefficients.read_render(path, bases.rgb(), [layer.name], [coefficients.EVERYTHING_ELSE])
-    picture = groups[coefficients.EVERYTHING_ELSE]
-    if seed == _LONG_RUN:
-        return seconds, picture, []
-    (guides,) = coefficients.read_guides(path, [layer.name], _GUIDES)
-    guided = denoise.denoised(picture, guides)
-    return seconds, picture, [denoise.denoised(picture), guided, guided]
+    (guides,) = coefficients.read_guides(path, [layer.name], GUIDES)
+    return seconds, groups[coefficients.EVERYTHING_ELSE], guides
 
 
 def _variance(row: Row) -> np.ndarray:
@@ -152,7 +157,7 @@ def _table(rows: list[Row], white: np.ndarray) -> list[str]:
 def _measure(path: Path, arguments) -> list[Row]:
     """All rows of one scene."""
     rows = [Row("RGB"), *(Row(f"p = {p}", p) for p in arguments.channels)]
-    long_runs = {row.channels: _render(row, path, arguments, _LONG_RUN, arguments.long)[1] for row in rows}
+    long_runs = {row.channels: _render(row, path, arguments, LONG_RUN, arguments.long)[1] for row in rows}
     if arguments.variants:
         p = arguments.channels[0]
         variants = _THRESHOLD if arguments.threshold else _VARIANTS
@@ -174,7 +179,7 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--runs", type=int, default=16, help="renders of each, with seeds of their own (16)")
     parser.add_argument("--long", type=int, default=1536, metavar="N", help="samples of the long renders (1536)")
     parser.add_argument("--channels", type=int, nargs="+", default=[9, 6, 12], metavar="P", help="(9 6 12)")
-    parser.add_argument("--scenes", nargs="+", choices=_SCENES, default=list(_SCENES), metavar="NAME", help="(all)")
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES), metavar="NAME", help="(all)")
     parser.add_argument("--illuminant", metavar="NAME", help="of every light group (the scene's own)")
     parser.add_argument("--threshold", type=float, metavar="NOISE", help="of adaptive sampling, up to --samples (off)")
     parser.add_argument("--variants", action="store_true", help="of the first number of channels")
@@ -187,7 +192,7 @@ def main(argv: list[str] | None = None):
     register()
     with tempfile.TemporaryDirectory() as temporary:
         for name in arguments.scenes:
-            scene, path = _SCENES[name](), Path(temporary) / f"{name}.blend"
+            scene, path = SCENES[name](), Path(temporary) / f"{name}.blend"
             size = [n * arguments.percent // 100 for n in (scene.render.resolution_x, scene.render.resolution_y)]
             bpy.ops.wm.save_as_mainfile(filepath=str(path))
             rows = _measure(path, arguments)

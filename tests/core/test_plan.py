@@ -88,6 +88,16 @@ def test_reason_names_the_model_its_error_and_what_is_coarser():
     assert found.rejected[-1].words in found.reason
 
 
+def test_what_is_left_out_is_the_next_finer_model_and_the_reference():
+    content = room(choices=every_cie_illuminant()[:3])
+    rows = plan.left_out(bases.fitted(6), content, pixels=1_000_000, groups=2)
+    assert [row.what for row in rows] == ["9 channels", "the reference, 36 bands"]
+    # Two light groups and the whole picture, four floats each
+    assert rows[0].cost.startswith("1 more pass and 48 MB; ΔE 0.")
+    assert rows[1].cost.startswith("10 more passes and 480 MB; ΔE 0.00 in place of ")
+    assert plan.left_out(bases.bands(), content, pixels=1_000_000, groups=2) == []
+
+
 def test_wrong_content_is_told():
     with pytest.raises(ValueError, match="at least one light"):
         plan.Content()

@@ -1,0 +1,153 @@
+"""Ways to denoise a spectral render: what each leaves of the error of colour, over Blender's own denoised RGB.
+
+`python -m relume.benchmarks.denoisers [--samples N] [--percent P] [--runs R] [--long N] [--scenes NAME ...]`
+
+Nine channels, samples shared among the passes, on the scenes of `overhead`. Error: mean CIEDE2000 to a long render of
+the same kind, over that of RGB denoised with albedo and normal as guides.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..addon import denoise, render, setup
+from ..core import bases, measure, upsample, view
+from . import overhead
+
+_LEAST = 1e-6  # what light is divided by
+
+
+def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
+    """{words: (height, width, 3) picture}."""
+    image, guides = rendered.image, rendered.guides
+    shown = view.recombination_matrices(image.model, [lights[group] for group in image.groups])
+    matrices = [np.array_split(matrix, image.model.passes, axis=1) for matrix in shown]  # of group g and pass k: (3, 3)
+    coefficients = [np.array_split(values, image.model.passes, axis=-1) for values in image.groups.values()]
+    parts = [sum(c[k] @ m[k].T for c, m in zip(coefficients, matrices, strict=True)) for k in range(len(guides))]
+    picture = sum(parts)
+    joint = _joint_guides(guides, shown)
+    equalised = _equalised(coefficients, parts, joint)
+    apart = render.picture(denoise.denoised_image(image, guides), lights)
+    together = denoise.denoised(picture, joint)
+    return {
+        "as rendered": picture,
+        "the picture alone": denoise.denoised(picture),
+        "guides of the first pass (the compositor)": denoise.denoised(picture, guides[0]),
+        "guides of all passes": together,
+        "the passes' brightness made alike first, then the same": denoise.denoised(equalised, joint),
+        "every pass, its light groups together": _each_pass(coefficients, matrices, guides),
+        "every pass and light group, without guides": render.picture(
+            denoise.denoised_image(image, [{}] * len(guides)), lights
+        ),
+        "every pass and light group (`relume render`)": apart,
+        "the same, and the picture once more": denoise.denoised(apart, joint),
+        "luminance of the picture with all guides, colour of the passes": _with_luminance(apart, together),
+        "luminance of the passes, colour of the picture with all guides": _with_luminance(together, apart),
+    }
+
+
+def _joint_guides(guides, matrices: np.ndarray) -> dict[str, np.ndarray]:
+    """Albedo as it would be recombined under all lights, and the mean normal."""
+    albedo = np.concatenate([guide["Albedo"] for guide in guides], axis=-1)
+    lit = matrices.sum(axis=0)
+    albedo = albedo @ lit.T / lit.sum(axis=1)
+    return {"Albedo": np.clip(albedo, 0.0, 1.0), "Normal": np.mean([guide["Normal"] for guide in guides], axis=0)}
+
+
+def _equalised(coefficients, parts, joint) -> np.ndarray:
+    """The picture with each pass scaled so that passes are to one another as they are without noise."""
+    brightness = np.stack([sum(c[k].sum(axis=-1) for c in coefficients) for k in range(len(parts))], axis=-1)
+    clean = denoise.denoised(brightness, joint)  # three passes, as red, green and blue
+    ratio = clean / np.maximum(clean.sum(axis=-1, keepdims=True), _LEAST) * brightness.sum(axis=-1, keepdims=True)
+    scale = np.where(brightness > _LEAST, ratio / np.maximum(brightness, _LEAST), 1.0)
+    return sum(scale[..., k : k + 1] * part for k, part in enumerate(parts))
+
+
+def _each_pass(coefficients, matrices, guides) -> np.ndarray:
+    """One denoising for each pass: what its light groups add, as coefficients under their mean light."""
+    picture = 0.0
+    for k, guide in enumerate(guides):
+        mean = np.mean([m[k] for m in matrices], axis=0)
+        to_mean = np.linalg.inv(mean)
+        seen = sum(c[k] @ (to_mean @ m[k]).T for c, m in zip(coefficients, matrices, strict=True))
+        picture = picture + denoise.denoised(seen, guide) @ mean.T
+    return picture
+
+
+def _with_luminance(colored: np.ndarray, bright: np.ndarray) -> np.ndarray:
+    luminance = [np.maximum(picture @ upsample.rgb_to_xyz()[1], _LEAST) for picture in (colored, bright)]
+    return colored * (luminance[1] / luminance[0])[..., None]
+
+
+def _error(picture: np.ndarray, truth: np.ndarray, white: np.ndarray) -> float:
+    to_xyz = upsample.rgb_to_xyz()
+    return float(measure.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean())
+
+
+def _open(path: Path, arguments, seed: int):
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
+    scene = bpy.context.scene
+    scene.render.resolution_percentage, scene.cycles.seed = arguments.percent, 100 * seed
+    scene.cycles.samples = arguments.samples if seed else arguments.long
+    return scene
+
+
+def _plain(path: Path, arguments, seed: int) -> tuple[np.ndarray, dict]:
+    scene = _open(path, arguments, seed)
+    overhead.color_lamps(scene)
+    return overhead.plain(scene, path.with_name("plain.exr"))[1:]
+
+
+def _spectral(path: Path, arguments, seed: int) -> tuple[render.Rendered, dict]:
+    scene = _open(path, arguments, seed)
+    setup.set_up(scene, bases.fitted(9))
+    rendered = render.render(scene, path.parent, guides=overhead.GUIDES)
+    return rendered, {group.name: group.light() for group in scene.relume.light_groups}
+
+
+def _measure(path: Path, arguments) -> dict[str, float]:
+    """{way: error over RGB's}."""
+    truth, _ = _plain(path, arguments, 0)
+    long_run, lights = _spectral(path, arguments, 0)
+    spectral_truth = render.picture(long_run.image, lights)
+    white = view.mixed_white(list(lights.values()), bases.bands())
+    plain, found = [], {}
+    for seed in range(1, arguments.runs + 1):
+        picture, guides = _plain(path, arguments, seed)
+        plain.append(_error(denoise.denoised(picture, guides), truth, white))
+        for words, way in _ways(*_spectral(path, arguments, seed)).items():
+            found.setdefault(words, []).append(_error(way, spectral_truth, white))
+    return {words: np.mean(errors) / np.mean(plain) for words, errors in found.items()}
+
+
+def main(argv: list[str] | None = None):
+    parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.denoisers", description=__doc__)
+    parser.add_argument("--samples", type=int, default=48, help="per pixel, of all passes together (48)")
+    parser.add_argument("--percent", type=int, default=30, help="of the scenes' own resolution (30)")
+    parser.add_argument("--runs", type=int, default=4, help="renders of each (4)")
+    parser.add_argument("--long", type=int, default=2048, metavar="N", help="samples of the long renders (2048)")
+    scenes = list(overhead.SCENES)
+    parser.add_argument("--scenes", nargs="+", choices=scenes, default=scenes, metavar="NAME", help="(all)")
+    arguments = parser.parse_args(argv)
+
+    from .. import register
+
+    register()
+    columns = {}
+    with tempfile.TemporaryDirectory() as temporary:
+        for name in arguments.scenes:
+            path = Path(temporary) / f"{name}.blend"
+            overhead.SCENES[name]()
+            bpy.ops.wm.save_as_mainfile(filepath=str(path))
+            columns[name] = _measure(path, arguments)
+    print("\n| ΔE2000 over RGB's, denoised with guides |" + "".join(f" {name} |" for name in columns))
+    print("|---|" + "---|" * len(columns))
+    for words in next(iter(columns.values())):
+        print(f"| {words} |" + "".join(f" {column[words]:.2f} |" for column in columns.values()))
+
+
+if __name__ == "__main__":
+    main()
