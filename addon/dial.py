@@ -9,6 +9,7 @@ from bpy.types import Operator
 
 from ..core import mixing
 from . import mixer, overlay
+from .mixer_operators import NeedsSetUp
 
 __all__ = ["CLASSES"]
 
@@ -16,7 +17,7 @@ _RADIUS = 90  # pixels at an interface scale of 1
 _MARGIN = 60
 
 
-class LightDial(Operator):
+class LightDial(NeedsSetUp, Operator):
     """Weigh the illuminants of this blend by a handle on a disc in the picture. Enter keeps, Esc takes back"""
 
     bl_idname = "relume.light_dial"
@@ -24,13 +25,6 @@ class LightDial(Operator):
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
     group: IntProperty(options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context):
-        if not context.scene.relume.is_set_up:
-            cls.poll_message_set("this scene is not set up for spectral rendering")
-            return False
-        return True
 
     def _row(self, context):
         return context.scene.relume.light_groups[self.group]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator, Panel
-from bpy.utils import register_class, unregister_class
+from bpy.utils import register_classes_factory
 from bpy_extras.io_utils import ImportHelper
 
 from ..core.spectrum import SpectrumError
@@ -213,11 +213,4 @@ class MaterialPanel(Panel):
 CLASSES = (AssignSpectrum, AssignSpectrumFile, ClearSpectrum, MaterialPanel)
 
 
-def register():
-    for cls in CLASSES:
-        register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        unregister_class(cls)
+register, unregister = register_classes_factory(CLASSES)

@@ -7,11 +7,11 @@ from bpy.types import Operator
 
 from . import compositing, groups, icons, mixer, setup
 
-__all__ = ["CLASSES"]
+__all__ = ["CLASSES", "NeedsSetUp"]
 
 
-class _Mixer:
-    """Of all of the mixer's operators: they need a scene that is set up, and are one step of undo."""
+class NeedsSetUp:
+    """Of operators that need a scene that is set up, and are one step of undo."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -67,7 +67,7 @@ class ChooseIlluminant(Operator):
         return {"FINISHED"}
 
 
-class ChangeBlend(_Mixer, Operator):
+class ChangeBlend(NeedsSetUp, Operator):
     """Add an illuminant to this blend, or take one out"""
 
     bl_idname = "relume.change_blend"
@@ -87,7 +87,7 @@ class ChangeBlend(_Mixer, Operator):
         return {"FINISHED"}
 
 
-class Regroup(_Mixer, Operator):
+class Regroup(NeedsSetUp, Operator):
     """Put everything that shines into new light groups. Then render again"""
 
     bl_idname = "relume.regroup"
@@ -105,7 +105,7 @@ class Regroup(_Mixer, Operator):
         return {"FINISHED"}
 
 
-class AddLights(_Mixer, Operator):
+class AddLights(NeedsSetUp, Operator):
     """Put the selected lamps and shining objects into this light group. Then render again"""
 
     bl_idname = "relume.add_lights"
@@ -129,7 +129,7 @@ class AddLights(_Mixer, Operator):
         return {"FINISHED"}
 
 
-class RemoveEmptyGroups(_Mixer, Operator):
+class RemoveEmptyGroups(NeedsSetUp, Operator):
     """Remove the light groups in which nothing shines. Until then they cost nothing but their row"""
 
     bl_idname = "relume.remove_empty_groups"
@@ -141,7 +141,7 @@ class RemoveEmptyGroups(_Mixer, Operator):
         return {"FINISHED"} if names else {"CANCELLED"}
 
 
-class TakeSnapshot(_Mixer, Operator):
+class TakeSnapshot(NeedsSetUp, Operator):
     """Keep this mix in the file, to come back to it or to compare with it"""
 
     bl_idname = "relume.take_snapshot"
@@ -157,7 +157,7 @@ class TakeSnapshot(_Mixer, Operator):
         return {"FINISHED"}
 
 
-class _OfSnapshot(_Mixer):
+class _OfSnapshot(NeedsSetUp):
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
@@ -221,7 +221,7 @@ class Compare(_OfSnapshot, Operator):
         return {"FINISHED"}
 
 
-class WriteToLights(_Mixer, Operator):
+class WriteToLights(NeedsSetUp, Operator):
     """Give the lamps the brightness that the mixer says, and set the mixer's gains to 0. Then render again"""
 
     bl_idname = "relume.write_to_lights"

@@ -1,9 +1,10 @@
 """What the panel's buttons do."""
 
-import bpy
 from bpy.types import Operator
+from bpy.utils import register_classes_factory
 
 from . import dial, exr, inspector, mixer_operators
+from .mixer_operators import NeedsSetUp
 
 __all__ = [
     "CLASSES",
@@ -32,19 +33,11 @@ class SetUpSpectralRender(Operator):
         return {"FINISHED"}
 
 
-class RemoveSpectralRender(Operator):
+class RemoveSpectralRender(NeedsSetUp, Operator):
     """Give the scene back as it was before Relume set it up. Assigned spectra stay"""
 
     bl_idname = "relume.remove"
     bl_label = "Remove"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if not context.scene.relume.is_set_up:
-            cls.poll_message_set("this scene is not set up for spectral rendering")
-            return False
-        return True
 
     def execute(self, context):
         from . import setup
@@ -63,11 +56,4 @@ CLASSES = (
 )
 
 
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = register_classes_factory(CLASSES)

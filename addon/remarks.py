@@ -5,7 +5,7 @@ import textwrap
 from dataclasses import astuple, dataclass
 
 from bpy.types import Panel
-from bpy.utils import register_class, unregister_class
+from bpy.utils import register_classes_factory
 
 __all__ = ["CLASSES", "Remark", "clear", "of", "register", "unregister", "write"]
 
@@ -87,11 +87,4 @@ class RenderRemarks(_Remarks, Panel):
 CLASSES = (SidebarRemarks, RenderRemarks)
 
 
-def register():
-    for cls in CLASSES:
-        register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        unregister_class(cls)
+register, unregister = register_classes_factory(CLASSES)
