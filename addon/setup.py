@@ -10,6 +10,7 @@ from ..core.library import LibraryError
 from . import (
     compositing,
     content,
+    denoise,
     glass,
     inventory,
     lights,
@@ -39,6 +40,7 @@ _BEFORE = "relume_before"  # what the scene's own settings were
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 _SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
+_NO_DENOISER = "this Blender has no denoiser: the picture keeps its noise"
 _ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
 
 
@@ -204,7 +206,9 @@ def _convert_colors(scene, groups: list[str], model: FactorModel):
     about_colors = sockets.convert(shadings, model.channels, shining.convert)
     long_names = {name for name in (thing.lightgroup for thing in found.objects) if lights.is_too_long(name)}
     about_groups = [remarks.Remark(name, "", _LONG_NAME) for name in sorted(long_names)]
-    remarks.write(scene, [*about_trees, *about_lamps, *about_groups, *about_colors])
+    noisy = scene.cycles.use_denoising and not denoise.available()
+    about_noise = [remarks.Remark("Render Properties", "Denoise", _NO_DENOISER)] if noisy else []
+    remarks.write(scene, [*about_noise, *about_trees, *about_lamps, *about_groups, *about_colors])
     given = {}
     for row in scene.relume.light_groups:
         if not row.is_property_set("illuminant") and shining.illuminant(row.name) != row.illuminant:

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from relume.addon import commands, denoise, passes, render, setup
+from relume.addon import commands, denoise, passes, remarks, render, setup
 from relume.core import bases, coefficients, measure, upsample, view
 
 pytestmark = pytest.mark.skipif(not denoise.available(), reason="this Blender has no denoiser")
@@ -90,3 +90,9 @@ def test_the_command_keeps_the_coefficients_as_they_were_rendered(noisy, tmp_pat
     shown = [(tmp_path / name / "little_A.png").read_bytes() for name in ("clean", "noisy")]
     assert shown[0] != shown[1]
     assert json.loads((tmp_path / "clean/summary.json").read_text())["passes"] == 3
+
+
+def test_a_blender_without_denoiser_says_so(noisy, monkeypatch):
+    monkeypatch.setattr(denoise, "available", lambda: False)
+    setup.set_up(noisy)
+    assert any("no denoiser" in remark.why for remark in remarks.of(noisy))
