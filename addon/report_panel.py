@@ -104,7 +104,7 @@ class _Report:
 
 def _draw_rows(layout, report):
     column = layout.column(align=True)
-    cells = [("", "seconds", "ΔE, 98 %")]
+    cells = [("", "seconds", "ΔE")]
     cells += [(r["name"], f"{r['seconds']:.3g}", f"{r['model']['p98']:.2f}") for r in report.rows[:_SHOWN]]
     for name, *numbers in cells:
         line = column.split(factor=0.55)
@@ -112,6 +112,7 @@ def _draw_rows(layout, report):
         line = line.row()
         for number in numbers:
             line.label(text=number)
+    mixer_panels.words(layout, "ΔE2000 to the reference, 98th percentile")
     layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(report.folder)
 
 

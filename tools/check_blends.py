@@ -73,7 +73,7 @@ def _difference(fidelity, picture, plain) -> float:
     try:
         return float(fidelity.delta_E(picture, plain).mean())
     except MeasureError:  # a black picture has no white to measure by
-        return 0.0 if abs(picture - plain).max() < 1e-4 else float("nan")
+        return 0.0 if abs(picture - plain).max() <= 1e-3 * plain.max() else float("nan")
 
 
 def _make_renderable(scene):
@@ -84,6 +84,7 @@ def _make_renderable(scene):
     scene.render.resolution_percentage = 100
     scene.render.use_border = scene.render.use_sequencer = False
     scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.use_adaptive_sampling = 32, False, False
+    scene.render.image_settings.media_type = "IMAGE"
     scene.render.image_settings.file_format = "OPEN_EXR"  # Blender fills in what goes with it
     scene.relume.split_samples, scene.relume.same_seed = False, True
     if scene.camera is None:
