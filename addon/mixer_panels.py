@@ -1,9 +1,11 @@
 """The mixer as it is drawn: light groups, white balance, snapshots, animation. Reads only what is at hand."""
 
+import textwrap
+
 from ..core.coefficients import EVERYTHING_ELSE
 from . import icons
 
-__all__ = ["draw"]
+__all__ = ["draw", "words"]
 
 
 def draw(layout, settings):
@@ -132,10 +134,5 @@ def words(layout, text: str, alert: bool = False, width: int = 38):
     """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
     column.alert = alert
-    line = ""
-    for word in text.split():
-        if line and len(line) + len(word) >= width:
-            column.label(text=line)
-            line = ""
-        line = f"{line} {word}".strip()
-    column.label(text=line)
+    for line in textwrap.wrap(text, width):
+        column.label(text=line)

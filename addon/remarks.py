@@ -1,16 +1,16 @@
 """What could not be made spectral in a scene, in the artist's words, and the panel that shows it."""
 
 import json
-import textwrap
 from dataclasses import astuple, dataclass
 
 from bpy.types import Panel
 from bpy.utils import register_classes_factory
 
+from . import mixer_panels
+
 __all__ = ["CLASSES", "Remark", "clear", "of", "register", "unregister", "write"]
 
 _REMARKS = "relume_remarks"  # on a scene, as JSON
-_WIDTH = 38  # characters that a narrow sidebar shows
 _SHOWN = 8  # places under one reason
 
 
@@ -58,8 +58,7 @@ class _Remarks:
             places.setdefault(remark.why, []).append(remark)
         for why, remarks in places.items():
             box = self.layout.box().column(align=True)
-            for line in textwrap.wrap(why[:1].upper() + why[1:], _WIDTH):
-                box.label(text=line)
+            mixer_panels.words(box, why[:1].upper() + why[1:])
             for remark in remarks[:_SHOWN]:
                 row = box.row()
                 row.active = False

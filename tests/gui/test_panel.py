@@ -154,3 +154,34 @@ def steps():
         "--enable-event-simulate",
     )
     assert len(pictures) == 6
+
+
+def test_the_render_properties_have_the_panel_too(window):
+    assert window(
+        """
+import bpy
+
+
+def steps():
+    parts = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("RENDER_PT_relume_")]
+    panels = [bpy.types.RENDER_PT_relume, *parts]
+    for panel in reversed(panels):
+        bpy.utils.unregister_class(panel)
+        panel.bl_options = set()  # open
+    for panel in panels:
+        bpy.utils.register_class(panel)
+    properties = next(area for area in bpy.context.screen.areas if area.type == "PROPERTIES")
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    properties.spaces.active.context = "RENDER"
+    with bpy.context.temp_override(area=properties):
+        bpy.ops.screen.screen_full_area()
+    yield
+    for _ in range(30):
+        for kind, value in (("MOUSEMOVE", "NOTHING"), ("WHEELDOWNMOUSE", "PRESS")):
+            bpy.context.window.event_simulate(type=kind, value=value, x=800, y=400)
+        yield
+    yield "render_properties.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    ).keys() == {"render_properties.png"}
