@@ -4,9 +4,9 @@
 
 Each point is measured in a process of its own, all of whose memory is therefore the point's. Seconds are those of the
 processor, on all cores together, so that a busy machine says the same; those of Cycles' synchronisation are by the
-clock. Memory: the most that the process held, less what it held when the scene was made. The exponent is the slope of
-each column on logarithmic axes, over the upper half of the points: 1 is linear, 0 does not grow; what grows faster
-than `n^1.15` is marked.
+clock. *RGB render* is Blender's own render of the same scene, with the samples of one pass. Memory: the most that the
+process held, less what it held when the scene was made. The exponent is the slope of each column on logarithmic axes,
+over the upper half of the points: 1 is linear, 0 does not grow; what grows faster than `n^1.15` is marked.
 """
 
 import argparse
@@ -25,7 +25,7 @@ from ..assets import make_room
 from ..core import bases, figures
 from . import conversion
 
-_COLUMNS = ("set up", "remove", "synchronisation", "render", "recombination", "memory")
+_COLUMNS = ("RGB render", "set up", "remove", "synchronisation", "render", "recombination", "memory")
 _AXES = {
     "materials": (1, 10, 100, 1000, 3000),
     "light groups": (1, 2, 4, 8, 16, 32),
@@ -80,7 +80,8 @@ def _channels(count):
 def _megapixels(count):
     height = round((count * 1e6 / _WIDE) ** 0.5)
     scene = _room((round(_WIDE * height), height))
-    scene.cycles.max_bounces = 0  # as little as can be: what is asked is what the picture's size costs
+    # As little as can be: what is asked is what the size of the picture costs
+    scene.cycles.samples, scene.cycles.max_bounces = 1, 0
     return scene, bases.fitted(_CHANNELS)
 
 
@@ -129,6 +130,7 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
         "megapixels": _megapixels,
     }[axis](count)
     before = _memory("VmRSS")
+    _, plain = _seconds(bpy.ops.render.render)
     _, set_up = _seconds(setup.set_up, scene, model)
     lights = {group.name: group.light() for group in scene.relume.light_groups}
     with tempfile.TemporaryDirectory() as folder:
@@ -138,7 +140,7 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
     memory = _memory("VmHWM") - before
     sync = sum(times["sync_seconds"] for times in rendered.times.values())
     _, remove = _seconds(setup.remove, scene)
-    return set_up, remove, sync, seconds, recombination, memory
+    return plain, set_up, remove, sync, seconds, recombination, memory
 
 
 def _in_a_process(axis: str, count: float) -> list[float]:
@@ -163,7 +165,7 @@ def _frames(count: int) -> tuple[float, ...]:
         if any(status for status, _ in taken):
             raise RuntimeError(f"{count} frames could not be rendered and relit")
         nothing = float("nan")
-        return nothing, nothing, nothing, taken[0][1], taken[1][1], _memory("VmHWM") - before
+        return nothing, nothing, nothing, nothing, taken[0][1], taken[1][1], _memory("VmHWM") - before
 
 
 def exponent(counts, values) -> float:
