@@ -107,7 +107,7 @@ def _draw_rows(layout, report):
     cells = [("", "seconds", "ΔE")]
     cells += [(r["name"], f"{r['seconds']:.3g}", f"{r['model']['p98']:.2f}") for r in report.rows[:_SHOWN]]
     for name, *numbers in cells:
-        line = column.split(factor=0.55)
+        line = column.split(factor=0.5)
         line.label(text=name)
         line = line.row()
         for number in numbers:
