@@ -67,31 +67,33 @@ def _feed(tree, first, group, copies, groups):
     recombination.node_tree = group
     recombination.label = "Relume"
     tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
-    for name in groups:
+    apart = first.scene.relume.denoises_passes and len(renders) > 1
+    for row, name in enumerate(groups):
         image = "Image" if name == EVERYTHING_ELSE else passes.light_pass(name)
         for k, node in enumerate(renders):
-            tree.links.new(node.outputs[image], recombination.inputs[f"{name} {k + 1}"])
+            part = node.outputs[image]
+            if apart:
+                part = _denoise(tree, node, part, 0.75, row / len(groups))
+            tree.links.new(part, recombination.inputs[f"{name} {k + 1}"])
     picture = recombination.outputs["Image"]
-    if first.scene.cycles.use_denoising:
-        picture = _denoise(tree, first, picture)
+    if first.scene.cycles.use_denoising and not apart:
+        # One denoising whatever the number of passes and light groups: the light is changed more often than rendered
+        picture = _denoise(tree, first, picture, 2.3, 0)
     for user in users:
         tree.links.new(picture, user)
 
 
-def _denoise(tree, first, picture):
-    """Denoise the recombined picture as Cycles would: its light groups come out undenoised, and no pass is a picture.
-
-    It stands behind the recombination, so that one denoising does whatever the number of passes and light groups.
-    """
-    node = _added(tree, "CompositorNodeDenoise", first, 2.3, 0)
-    tree.links.new(picture, node.inputs["Image"])
-    for guide in denoise.guides_of(first.scene):
-        tree.links.new(first.outputs[f"Denoising {guide}"], node.inputs[guide])
-    node.inputs["Prefilter"].default_value = denoise.prefilter_of(first.scene)
+def _denoise(tree, render, image, column: float, row: float):
+    """Denoise an image as Cycles would if it denoised light groups, with the guides of a Render Layers node."""
+    node = _added(tree, "CompositorNodeDenoise", render, column, row)
+    tree.links.new(image, node.inputs["Image"])
+    for guide in denoise.guides_of(render.scene):
+        tree.links.new(render.outputs[f"Denoising {guide}"], node.inputs[guide])
+    node.inputs["Prefilter"].default_value = denoise.prefilter_of(render.scene)
     return node.outputs["Image"]
 
 
-def _added(tree, kind: str, beside, column: float, row: int):
+def _added(tree, kind: str, beside, column: float, row: float):
     node = tree.nodes.new(kind)
     node[_ADDED] = True
     node.parent = beside.parent
@@ -109,19 +111,22 @@ def write_matrices(scene, matrices):
 def rename(scene, before: str, after: str):
     """Follow a light group that got a new name on the view layers: sockets, and the passes that feed them."""
     tree = scene.compositing_node_group
-    sockets = {}
+    fed = []  # Render Layers node, the node that it feeds, and by which input
     for node in recombinations(scene):
         for socket in node.inputs:
             group, _, number = socket.name.rpartition(" ")
             if group == before and socket.is_linked:
-                sockets[node, f"{after} {number}"] = socket.links[0].from_node
+                render, target = socket.links[0].from_node, (node, f"{after} {number}")
+                if render.type == "DENOISE":
+                    render, target = render.inputs["Image"].links[0].from_node, (render, "Image")
+                fed.append((render, *target))
         for item in node.node_tree.interface.items_tree:
             group, _, number = item.name.rpartition(" ")
             if group == before:
                 item.name = f"{after} {number}"
-    for render in set(sockets.values()):
+    for render in {render for render, _, _ in fed}:
         render.layer = render.layer  # reads the names of the passes anew
-    for (node, name), render in sockets.items():
+    for render, node, name in fed:
         tree.links.new(render.outputs[passes.light_pass(after)], node.inputs[name])
 
 

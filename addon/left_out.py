@@ -72,6 +72,9 @@ class _LeftOut:
         return context.scene.relume.is_set_up and bool(context.scene.relume.plan.get("reason"))
 
     def draw(self, context):
+        settings = context.scene.relume
+        if context.scene.cycles.use_denoising and settings.model().passes > 1:
+            self.layout.prop(settings, "denoise_passes")
         key = _key(context.scene)
         if key not in _known:
             _known[key] = None

@@ -103,7 +103,7 @@ def add(scene, model, groups: list[str], sampling: Sampling):
             layer.cycles.use_denoising = False
             # The denoiser's guides: those of the first pass do for the recombined picture
             guided = scene.cycles.use_denoising or source.cycles.denoising_store_passes
-            layer.cycles.denoising_store_passes = guided and k == 0
+            layer.cycles.denoising_store_passes = scene.relume.denoises_passes or (guided and k == 0)
             if k:
                 _keep_only_light_passes(layer)
             for group in groups:

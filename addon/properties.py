@@ -104,6 +104,13 @@ def _wiped(self, context):
     compositing.move_wipe(self.id_data, self.wipe)
 
 
+def _denoising_chosen(self, _):
+    from . import setup
+
+    if self.is_set_up:
+        setup.set_up_afresh(self.id_data)
+
+
 class SceneSettings(PropertyGroup):
     channels: EnumProperty(
         name="Channels",
@@ -135,6 +142,13 @@ class SceneSettings(PropertyGroup):
         name="Same Noise in Every Pass",
         description="Use one seed for all passes. Noise is then coloured less but stronger; for comparisons",
         default=False,
+    )
+    denoise_passes: BoolProperty(
+        name="Denoise Every Pass",
+        description="Denoise every light group of every pass by itself, and not the picture: nearer to the true "
+        "colours, but each change of light takes as many denoisings",
+        default=False,
+        update=_denoising_chosen,
     )
     light_groups: CollectionProperty(type=LightGroup)
     active_light_group: IntProperty()
@@ -202,6 +216,11 @@ class SceneSettings(PropertyGroup):
     def is_set_up(self) -> bool:
         """Whether the scene carries the spectral set-up."""
         return MODEL in self.id_data
+
+    @property
+    def denoises_passes(self) -> bool:
+        """Whether the passes are denoised one by one before they are recombined."""
+        return self.denoise_passes and self.id_data.cycles.use_denoising
 
     @property
     def request(self) -> str:

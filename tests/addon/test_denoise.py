@@ -20,6 +20,15 @@ def noisy(room):
     return room
 
 
+def composited(scene, path):
+    """F12 of a scene, (height, width, 3)."""
+    output = scene.render.image_settings
+    output.media_type, output.file_format, output.color_depth = "IMAGE", "OPEN_EXR", "32"
+    scene.render.filepath = str(path)
+    bpy.ops.render.render(write_still=True)
+    return coefficients.read_rgb(path)
+
+
 def denoisers(scene):
     return [node for node in scene.compositing_node_group.nodes if node.type == "DENOISE"]
 
@@ -33,6 +42,23 @@ def test_the_compositor_denoises_once_with_the_guides_of_the_first_pass(noisy):
     assert [layer.cycles.denoising_store_passes for layer in layers] == [True, False, False]
     setup.remove(noisy)
     assert not noisy.view_layers[0].cycles.denoising_store_passes
+
+
+def test_every_pass_by_itself_in_the_compositor_is_what_the_command_makes(noisy, tmp_path):
+    setup.set_up(noisy)
+    once = composited(noisy, tmp_path / "once.exr")
+    noisy.relume.denoise_passes = True
+    assert len(denoisers(noisy)) == 3 * 2, "every light group of every pass"
+    apart = composited(noisy, tmp_path / "apart.exr")
+    rendered = render.render(noisy, tmp_path, guides=denoise.guides_of(noisy))
+    lights = {row.name: row.light() for row in noisy.relume.light_groups}
+    by_command = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
+    assert np.abs(apart - by_command).max() <= 1e-3 * by_command.max() < np.abs(apart - once).max()
+    noisy.relume.light_groups["tungsten"].name = "left"
+    noisy.relume.light_groups["left"].illuminant = "Sodium (low pressure)"
+    assert not np.allclose(composited(noisy, tmp_path / "sodium.exr"), apart, atol=1e-2)
+    setup.remove(noisy)
+    assert noisy.compositing_node_group is None and len(noisy.view_layers) == 1
 
 
 def test_the_compositor_follows_the_artists_choice_of_guides(noisy):

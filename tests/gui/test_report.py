@@ -36,6 +36,7 @@ def steps():
     area.spaces.active.show_region_ui = True
     yield
     next(region for region in area.regions if region.type == "UI").active_panel_category = "Relume"
+    bpy.context.scene.cycles.use_denoising = True
     assert bpy.ops.relume.set_up() == {"FINISHED"}
     for _ in range(4):
         yield
