@@ -1,9 +1,11 @@
 """Channels are shared out among passes so that noise stays as small as that of an RGB render."""
 
+from itertools import combinations
+
 import numpy as np
 import pytest
 
-from relume.core import bases, grouping, library, view
+from relume.core import bases, grouping, library, relight, view
 
 
 def luminance_shares(model, light):
@@ -19,6 +21,38 @@ def test_passes_share_luminance_evenly(channels, light):
     variance, variance_before = (len(s) * np.square(s).sum() for s in (shares, before))  # 1 is that of an RGB render
     assert variance < 1.3
     assert variance < variance_before
+
+
+def ways(channels):
+    """Every way to deal channels out to passes of three."""
+    if not channels:
+        yield []
+        return
+    first, *others = channels
+    for pair in combinations(others, 2):
+        for rest in ways([channel for channel in others if channel not in pair]):
+            yield [(first, *pair), *rest]
+
+
+def test_no_other_way_to_share_nine_channels_makes_less_noise_of_colour():
+    model = bases.fitted(9)
+    found = grouping.balanced(model)
+    surfaces = np.concatenate([model.coefficients(library.reflectances("ces")), np.ones((20, 9))])
+    added = []  # by each channel, in units of CIEDE2000
+    for name in grouping.LIGHTS:
+        matrix = model.relight(library.illuminant(name))
+        metric = relight.local_metric(surfaces @ matrix.T, matrix.sum(axis=1))
+        added.append(np.einsum("nij,jk,nk->nik", metric, matrix, surfaces))
+    added = np.concatenate(added)
+
+    def noise(groups):
+        passes = np.stack([added[..., list(group)].sum(axis=-1) for group in groups])
+        return np.sqrt(np.square(passes).sum(axis=(0, 2))).mean()
+
+    all_ways = list(ways(list(range(9))))
+    assert len(all_ways) == 280
+    order = [int(np.abs(model.filters - column[:, None]).sum(axis=0).argmin()) for column in found.filters.T]
+    assert noise(np.reshape(order, (3, 3))) <= min(map(noise, all_ways)) * (1 + 1e-9)
 
 
 def test_the_model_is_the_same_but_for_the_order_of_its_channels():
