@@ -36,12 +36,13 @@ _AXES = {
 _MANY = 10000  # materials, with --long
 _CAUSES = {
     "materials": "Blender looks through all node trees of the file whenever what reaches the output of one changes, "
-    "which takes two looks for each material and one for each of its links; the rest is linear.",
+    "which takes two looks for each material. Synchronisation and render are Blender's own, as in the RGB render.",
     "light groups": "Blender looks through a node tree at each node and link that is added; the recombination has four "
     "nodes for each pass of each light group.",
 }
 _CHANNELS = 9
 _FASTER = 1.15  # exponents above it are marked
+_FELT = 0.3  # seconds: what takes less is noise, and marked by no exponent
 _SMALL = (240, 180)
 _WIDE = 16 / 9
 
@@ -184,7 +185,7 @@ def _table(axis: str, counts, points) -> list[str]:
     lines = [f"| {axis} |" + "".join(f" {name} |" for name in _COLUMNS), "|" + "---|" * (1 + len(_COLUMNS))]
     lines += [f"| {n} |" + "".join(f" {_cell(v)} |" for v in row) for n, row in zip(counts, points, strict=True)]
     slopes = [exponent(counts, column) for column in zip(*points, strict=True)]
-    marks = ["" if not slope > _FASTER else " faster" for slope in slopes]
+    marks = [" faster" if s > _FASTER and last > _FELT else "" for s, last in zip(slopes, points[-1], strict=True)]
     lines.append("| exponent |" + "".join(f" {_cell(s)}{m} |" for s, m in zip(slopes, marks, strict=True)))
     if any(marks) and axis in _CAUSES:
         lines += ["", _CAUSES[axis]]

@@ -19,11 +19,12 @@ PICTURES = {
     "mixer_dial.jpg": ("mixer_dial.png", 370, 1316, 80, 815),
     "mixer_spectrum.jpg": ("mixer_inspect.png", 658, 1316, 80, 815),
     "materials.jpg": ("material.png", 1020, 1600, 80, 820),
+    "report.jpg": ("report_done.png", 1028, 1316, 150, 815),
 }
 
 
 def main() -> int:
-    tests = [ROOT / "tests/gui/test_mixer.py", ROOT / "tests/gui/test_materials.py"]
+    tests = [ROOT / f"tests/gui/test_{name}.py" for name in ("mixer", "materials", "report")]
     done = subprocess.run([sys.executable, "-m", "pytest", f"--basetemp={SHOTS}", *map(str, tests)])
     if done.returncode:
         return done.returncode

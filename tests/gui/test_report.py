@@ -42,7 +42,7 @@ def steps():
         yield
     yield from scroll_down()
     yield "left_out.png"
-    assert bpy.ops.relume.report(percent=3, samples=2, folder=FOLDER) == {"FINISHED"}
+    assert bpy.ops.relume.report(percent=10, samples=4, folder=FOLDER) == {"FINISHED"}
     report = sys.modules["bl_ext.user_default.relume.addon.background"].current()
     while report.is_running and report.part < 0.3:
         yield
