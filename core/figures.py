@@ -96,6 +96,9 @@ def curves(path: Path, panels: list[tuple[str, list]], up: str) -> None:
             color = colors.setdefault(name, f"C{len(colors)}")
             axis.plot(x, np.where(np.asarray(y) > 0, y, np.nan), "o-", markersize=4, linewidth=1.2, color=color)
         axis.set(xscale="log", yscale="log", xlabel=across)
+        for ticks in (axis.xaxis, axis.yaxis):
+            ticks.set_major_formatter("{x:g}")
+            ticks.set_minor_formatter("")
         axis.grid(True, linewidth=0.4, alpha=0.5)
     axes[0].set_ylabel(up)
     handles = [axes[0].plot([], [], "o-", markersize=4, color=color, label=name)[0] for name, color in colors.items()]
