@@ -205,21 +205,21 @@ class Lighting:
     def convert(self, conversion, shading, socket):
         """Put the light of its light group in front of a socket that sends out light."""
         name = self._name(shading)
-        spectral = conversion.carries_spectrum(shading, socket, set())
+        spectral = conversion.carries_spectrum(socket, set())
         if spectral:
-            conversion.upsample(shading, socket, set())
+            conversion.upsample(socket, set())
         kelvin = blackbody_behind(socket)
         if kelvin:
-            conversion.insert(shading, socket, self._emitter(name, kelvin))
+            conversion.insert(socket, self._emitter(name, kelvin))
         group = nodes.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
-        light = conversion.insert(shading, socket, group)
+        light = conversion.insert(socket, group)
         lamp = self.lamps.get(shading.owner)
         if lamp is None:
             return
         light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
         if lamp.temperature:
             emitter = self._emitter(name, lamp.temperature)
-            conversion.insert(shading, light.inputs["Spectrum"], emitter, value=lamp.glow)
+            conversion.insert(light.inputs["Spectrum"], emitter, value=lamp.glow)
         path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
         if animation.move(shading.owner, "color", path):
             shading.owner[_MOVED] = path

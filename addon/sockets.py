@@ -6,8 +6,7 @@ it is mixed with are upsampled before the mix.
 
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import bpy
 
@@ -15,6 +14,7 @@ from . import animation, nodes
 from .closures import Kind, in_use, is_animated, kind_of, reasons, spectral_sockets
 from .inventory import Inventory, take
 from .remarks import Remark
+from .wiring import Wiring
 
 __all__ = [
     "Conversion",
@@ -30,8 +30,7 @@ __all__ = [
     "untouchable",
 ]
 
-# Nodes that a spectrum passes through channel by channel, and those that make another colour of it
-_THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
+# Nodes that make another colour of a spectrum
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
 _ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
@@ -115,25 +114,18 @@ def emits(tree) -> bool:
     )
 
 
-@dataclass
 class Conversion:
-    """The state of one conversion: what comes into the sockets of each tree, and who uses each node group."""
+    """The state of one conversion: how the trees are wired, what of them is animated, and what stays RGB.
 
-    shadings: list[Shading]
-    channels: int
-    has_spectra: bool
-    until_done: ExitStack
-    unplugged: set = field(default_factory=set)
-    remarks: list[Remark] = field(default_factory=list)
-    incoming: dict = field(default_factory=dict)
-    animated: dict = field(default_factory=dict)
-    callers: dict | None = None
+    until_done: closed when all is converted.
+    """
 
-    def source(self, shading: Shading, socket):
-        """The link that comes into a socket, or None."""
-        if shading.tree not in self.incoming:
-            self.incoming[shading.tree] = {link.to_socket: link for link in shading.tree.links}
-        return self.incoming[shading.tree].get(socket)
+    def __init__(self, shadings: list[Shading], channels: int, has_spectra: bool, until_done: ExitStack):
+        self.channels, self.has_spectra, self.until_done = channels, has_spectra, until_done
+        self.by_tree = {shading.tree: shading for shading in shadings}
+        self.wiring = Wiring(self.by_tree)
+        self.unplugged, self.animated = set(), {}
+        self.remarks: list[Remark] = []
 
     def animated_in(self, shading: Shading) -> frozenset[str]:
         if shading.tree not in self.animated:
@@ -147,82 +139,54 @@ class Conversion:
         path = socket.path_from_id("default_value")
         return animation.is_shared(shading.tree, path) or animation.is_shared(shading.owner, f"node_tree.{path}")
 
-    def feeds(self, shading: Shading, socket):
-        """(shading, socket) of what a colour passes on its way into `socket`; None where it starts there."""
-        link = self.source(shading, socket)
-        if link is None or link.is_muted:
-            return None
-        node = link.from_node
-        if node.type in _THROUGH:
-            return [(shading, s) for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable]
-        if node.type == "GROUP" and node.node_tree and not nodes.role(node):
-            inner = self.by_tree.get(node.node_tree)
-            ends = [n for n in node.node_tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output] if inner else []
-            return [(inner, s) for end in ends for s in end.inputs if s.identifier == link.from_socket.identifier]
-        if node.type == "GROUP_INPUT":
-            identifier = link.from_socket.identifier
-            callers = self.callers_of(shading.tree)
-            return [(caller, s) for caller, n in callers for s in n.inputs if s.identifier == identifier]
-        return None
-
-    @cached_property
-    def by_tree(self) -> dict:
-        return {shading.tree: shading for shading in self.shadings}
-
-    def callers_of(self, tree) -> list:
-        if self.callers is None:
-            self.callers = {}
-            for shading in self.shadings:
-                for node in shading.tree.nodes:
-                    if node.type == "GROUP" and node.node_tree:
-                        self.callers.setdefault(node.node_tree, []).append((shading, node))
-        return self.callers.get(tree, [])
-
-    def carries_spectrum(self, shading: Shading, socket, visited: set) -> bool:
+    def carries_spectrum(self, socket, visited: set) -> bool:
         """Whether a measured spectrum reaches a socket."""
         if not self.has_spectra or socket in visited:
             return False
         visited.add(socket)
-        link = self.source(shading, socket)
+        link = self.wiring.link(socket)
         if link is not None and not link.is_muted and nodes.role(link.from_node) == "spectrum":
             return True
         if link is not None and link.from_node.type in _RGB_ONLY:
-            self.remark_on_rgb_only(shading, link.from_node, visited)
+            self.remark_on_rgb_only(link.from_node, visited)
             return False
-        return any(self.carries_spectrum(*place, visited) for place in self.feeds(shading, socket) or ())
+        return any(self.carries_spectrum(feed, visited) for feed in self.wiring.feeds(socket) or ())
 
-    def remark_on_rgb_only(self, shading: Shading, node, visited: set):
-        if any(self.carries_spectrum(shading, s, visited) for s in node.inputs if s.type == "RGBA"):
+    def remark_on_rgb_only(self, node, visited: set):
+        if any(self.carries_spectrum(s, visited) for s in node.inputs if s.type == "RGBA"):
             why = "it changes a spectrum as if it were an RGB colour: put the spectrum behind it"
-            self.remarks.append(Remark(shading.words, node.name, why))
+            self.remarks.append(Remark(self.by_tree[node.id_data].words, node.name, why))
 
-    def upsample(self, shading: Shading, socket, visited: set):
+    def upsample(self, socket, visited: set):
         """Make what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
         if socket in visited:
             return
         visited.add(socket)
-        link = self.source(shading, socket)
+        link = self.wiring.link(socket)
         if link is not None and nodes.role(link.from_node) in nodes.INSERTED | {"spectrum"}:
             return
-        if self.carries_spectrum(shading, socket, set()):
-            for place in self.feeds(shading, socket) or ():
-                self.upsample(*place, visited)
-        elif not self.is_neutral(shading, socket, link):
-            self.insert(shading, socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
+        if self.carries_spectrum(socket, set()):
+            for feed in self.wiring.feeds(socket) or ():
+                self.upsample(feed, visited)
+        elif not self.is_neutral(socket, link):
+            self.insert(socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
 
-    def is_neutral(self, shading: Shading, socket, link) -> bool:
+    def is_neutral(self, socket, link) -> bool:
         """Whether the value of a socket is the same in every channel, and stays so."""
-        if (link is not None and not link.is_muted) or is_animated(socket, self.animated_in(shading)):
+        animated = self.animated_in(self.by_tree[socket.id_data])
+        if (link is not None and not link.is_muted) or is_animated(socket, animated):
             return False
         red, green, blue = socket.default_value[:3]
         return red == green == blue
 
-    def insert(self, shading: Shading, socket, group, value=None):
+    def insert(self, socket, group, value=None):
+        """Put a node of `group` in front of a socket, as `nodes.insert` does."""
+        shading = self.by_tree[socket.id_data]
         if shading.owner != shading.tree and shading.tree not in self.unplugged:
             self.unplugged.add(shading.tree)
             self.until_done.enter_context(nodes.unplugged(shading.tree))
-        node = nodes.insert(shading.tree, socket, self.source(shading, socket), group, value)
-        self.incoming[shading.tree][socket] = node.outputs[0].links[0]
+        node = nodes.insert(shading.tree, socket, self.wiring.link(socket), group, value)
+        self.wiring.note(node.outputs[0].links[0])
         if is_animated(socket, self.animated_in(shading)):
             self.move_animation(shading, socket.path_from_id("default_value"), node)
         return node
@@ -259,7 +223,7 @@ def _convert_tree(conversion: Conversion, shading: Shading, light):
         has_output |= getattr(node, "is_active_output", False)
         conversion.remarks += [Remark(shading.words, node.name, why) for why in reasons(node)]
         for socket in spectral_sockets(node):
-            link = conversion.source(shading, socket)
+            link = conversion.wiring.link(socket)
             if link is not None and nodes.role(link.from_node) in nodes.INSERTED:
                 continue
             if not in_use(socket, conversion.animated_in(shading)):
@@ -269,10 +233,10 @@ def _convert_tree(conversion: Conversion, shading: Shading, light):
             elif kind_of(socket) is Kind.EMISSION:
                 light(conversion, shading, socket)
             else:
-                conversion.upsample(shading, socket, set())
+                conversion.upsample(socket, set())
         if _is_closed(node):
             for socket in [s for s in node.inputs if s.type == "RGBA"]:
-                conversion.upsample(shading, socket, set())
+                conversion.upsample(socket, set())
     if not has_output:
         conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
 

@@ -1,0 +1,61 @@
+"""Where the colours of node trees come from: links, followed through reroutes, mixes and node groups."""
+
+from functools import cached_property
+
+from . import nodes
+
+__all__ = ["Wiring"]
+
+# Nodes that a spectrum passes through channel by channel
+_THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
+
+
+class Wiring:
+    """What comes into the inputs of some node trees; what comes out of other trees starts there.
+
+    Blender looks through all links of a tree to find those of one socket: here that is done once for each tree.
+    """
+
+    def __init__(self, trees):
+        self.trees = dict.fromkeys(trees)
+        self._incoming = {}
+
+    def link(self, socket):
+        """The link that comes into a socket, muted or not; None if there is none."""
+        return self._links_of(socket.id_data).get(socket)
+
+    def note(self, link):
+        """Take note of a new link."""
+        self._links_of(link.id_data)[link.to_socket] = link
+
+    def _links_of(self, tree) -> dict:
+        if tree not in self._incoming:
+            self._incoming[tree] = {link.to_socket: link for link in tree.links}
+        return self._incoming[tree]
+
+    def feeds(self, socket) -> list | None:
+        """The inputs that a colour passes just before it comes into a socket; None where it starts there."""
+        link = self.link(socket)
+        if link is None or link.is_muted:
+            return None
+        node, identifier = link.from_node, link.from_socket.identifier
+        if node.type in _THROUGH:
+            return [s for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable]
+        if node.type == "GROUP" and node.node_tree and not nodes.role(node):
+            inner = node.node_tree.nodes if node.node_tree in self.trees else ()
+            ends = [n for n in inner if n.type == "GROUP_OUTPUT" and n.is_active_output]
+            return [s for end in ends for s in end.inputs if s.identifier == identifier]
+        if node.type == "GROUP_INPUT":
+            callers = self._callers.get(link.id_data, ())
+            return [s for caller in callers for s in caller.inputs if s.identifier == identifier]
+        return None
+
+    @cached_property
+    def _callers(self) -> dict:
+        """{node group: the nodes that use it}."""
+        found = {}
+        for tree in self.trees:
+            for node in tree.nodes:
+                if node.type == "GROUP" and node.node_tree:
+                    found.setdefault(node.node_tree, []).append(node)
+        return found
