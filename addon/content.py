@@ -4,23 +4,29 @@ from collections import Counter
 
 import bpy
 
-from ..core import fresnel, library, plan
+from ..core import library, plan
 from ..core.spectrum import SpectrumError
-from . import lights, nodes, sockets, spectra
+from . import inventory, lights, sockets
+from .sources import is_grey, sources_of
 
 __all__ = ["content_of"]
 
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
+_GREY = (0.8, 0.8, 0.8)
 
 
 def content_of(scene) -> plan.Content:
     """The surfaces of a scene, each with its part of the picture, its lights, and what they may be switched to."""
+    found, groups = inventory.take(scene), lights.light_groups_of(scene)
+    shadings, lamps = sockets.shadings_of(found)[0], lights.colors_of(found.lights)
+    temperatures = lights.temperatures_of(groups, lamps, shadings)
+    kelvin = {shading.owner: temperatures.get(lights.group_of(shading, groups)) for shading in shadings}
+
     measured, colors, textures = {}, Counter(), 0.0
-    for material, seen in _shares(scene).items():
-        sources = _sources(material) if material else []
-        for source in sources or [(0.8, 0.8, 0.8)]:
-            share = seen / max(len(sources), 1)
+    for sources, seen in _parts(scene, found, lamps, kelvin):
+        for source in sources:
+            share = seen / len(sources)
             if source is None:
                 textures += share
             elif isinstance(source, tuple):
@@ -32,18 +38,49 @@ def content_of(scene) -> plan.Content:
         colors=list(colors),
         shares=[*(share for _, share in measured.values()), *colors.values()],
         textures=textures,
-        lights=_illuminants(scene),
+        lights=_illuminants(scene, groups, temperatures),
         choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
         space=bpy.data.colorspace.working_space,
     )
 
 
-def _illuminants(scene) -> list:
-    """What shines in the mixer, or will when the scene is set up."""
-    rows = {row.name: row for row in scene.relume.light_groups}
-    names = [rows[group].illuminant if group in rows else "D65" for group in lights.light_groups_of(scene)]
-    return [library.illuminant(name) for name in dict.fromkeys(names)]
+def _parts(scene, found, lamps: dict, kelvin: dict):
+    """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
+    seen = _shares(scene, found)
+    for owner, share in seen.items():
+        yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [_GREY], share
+    shining = [*found.lights, *([found.world] if found.world else [])]
+    for owner in shining:
+        sources = sources_of(owner, kelvin.get(owner))
+        if owner != found.world:
+            sources += _lamp_sources(owner, lamps.get(owner), kelvin.get(owner))
+        colored = [source for source in sources if not is_grey(source)]
+        if colored:
+            yield colored, seen.total() / len(shining)
+
+
+def _lamp_sources(light, lamp, kelvin: float | None) -> list:
+    """Sources of the colour that a lamp has outside its nodes."""
+    if lamp is None:
+        return [tuple(light.color)]
+    return [lamp.tint] if lamp.temperature in (None, kelvin) else [lamp.tint, None]
+
+
+def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
+    """What shines in the mixer, or will when the scene is set up. What cannot be used is told there."""
+    found = {}
+    for group in groups:
+        row = scene.relume.light_groups.get(group)
+        try:
+            if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
+                spectrum = library.illuminant(lights.first_illuminant(temperatures, group))
+            else:
+                spectrum = row.spectrum()
+        except (library.LibraryError, SpectrumError):
+            spectrum = library.illuminant("D65")
+        found[spectrum.name, spectrum.values.tobytes()] = spectrum
+    return list(found.values())
 
 
 def _choices(switching: str) -> list:
@@ -52,69 +89,33 @@ def _choices(switching: str) -> list:
     return [library.illuminant(name) for name in _COMMON] if switching == "COMMON" else []
 
 
-def _sources(material) -> list:
-    """Where the colours of a material come from: a Spectrum, an RGB colour, None for a texture."""
-    found, visited = [], set()
-
-    def visit(tree):
-        if tree is None or tree in visited or tree.get(nodes.ROLE):
-            return
-        visited.add(tree)
-        for node in tree.nodes:
-            if node.type == "GROUP":
-                visit(node.node_tree)
-            for socket in sockets.spectral_sockets(node):
-                found.extend(_source(socket))
-
-    visit(material.node_tree)
-    colored = [source for source in found if not (isinstance(source, tuple) and len(set(source)) == 1)]
-    return colored or found[:1]
-
-
-def _source(socket) -> list:
-    while socket.is_linked:
-        node = socket.links[0].from_node
-        role = nodes.role(node)
-        if role == "spectrum":
-            return _reflectance(node.node_tree)
-        if node.type != "REROUTE" and role not in {"upsample", "light"}:
-            return [None]
-        socket = node.inputs[0]
-    value = socket.default_value
-    return [tuple(value[:3])] if socket.type == "RGBA" else []
-
-
-def _reflectance(tree) -> list:
-    """The reflectance of a spectrum group; of a metal, at normal incidence."""
-    try:
-        found = spectra.spectra_of(tree)
-        return [found["Color"] if "Color" in found else fresnel.normal_reflectance(found["IOR"], found["Extinction"])]
-    except (KeyError, SpectrumError):
-        return [None]
-
-
-def _shares(scene) -> Counter:
-    """How many of a grid of camera rays hit each material (None: nothing, or no material); each used one at least a
-    little, for it lights what is seen."""
+def _shares(scene, found) -> Counter:
+    """How many of a grid of camera rays hit each material, or the world (None: no material); each used material at
+    least a little, for it lights what is seen."""
     shares = Counter()
-    for thing in scene.objects:
-        for slot in thing.material_slots:
-            if slot.material and not thing.hide_render:
-                shares[slot.material] = 0.5
+    for thing in found.objects:
+        if not thing.hide_render:
+            shares |= dict.fromkeys(found.materials_of(thing), 0.5)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     for origin, direction in _camera_rays(scene, depsgraph):
-        hit, _, _, face, thing, _ = scene.ray_cast(depsgraph, origin, direction)
-        shares[_material_at(thing, face, depsgraph) if hit else None] += 1
+        hit, _, _, face, thing, matrix = scene.ray_cast(depsgraph, origin, direction)
+        seen = _materials_at(found, thing.evaluated_get(depsgraph), face, matrix) if hit else [found.world]
+        for material in seen:
+            shares[material] += 1 / len(seen)
     return shares
 
 
-def _material_at(thing, face: int, depsgraph):
-    slots = thing.material_slots
-    if not slots:
-        return None
-    mesh = thing.evaluated_get(depsgraph).data
-    index = mesh.polygons[face].material_index if isinstance(mesh, bpy.types.Mesh) and face >= 0 else 0
-    return slots[min(index, len(slots) - 1)].material
+def _materials_at(found, thing, face: int, matrix) -> list:
+    """The material of a face of an evaluated object; where Geometry Nodes made an instance of it, all that they may
+    have given it."""
+    slots = [slot.material and slot.material.original for slot in thing.material_slots]
+    if isinstance(thing.data, bpy.types.Mesh):
+        own = matrix == thing.matrix_world or not any(modifier.type == "NODES" for modifier in thing.modifiers)
+        if not own or not 0 <= face < len(thing.data.polygons):
+            return found.materials_of(thing.original) or [None]
+        index = thing.data.polygons[face].material_index
+        return [slots[min(index, len(slots) - 1)] if slots else None]
+    return slots[:1] or [None]
 
 
 def _camera_rays(scene, depsgraph):

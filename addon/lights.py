@@ -20,13 +20,18 @@ __all__ = [
     "LONGEST",
     "Lamp",
     "Lighting",
+    "blackbody_behind",
+    "colors_of",
     "emitters_of",
+    "first_illuminant",
+    "group_of",
     "has_emitters",
     "is_too_long",
     "light_groups_of",
     "restore",
     "strength_sockets",
     "take_colors",
+    "temperatures_of",
 ]
 
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
@@ -101,7 +106,7 @@ def take_colors(lights) -> tuple[dict, list[Remark]]:
     """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
     lamps, remarks = {}, []
     for light in lights:
-        if light.library is not None or light.override_library is not None:
+        if not _is_own(light):
             if light.node_tree is None:  # others are told with their nodes
                 remarks.append(sockets.untouchable(light))
             continue
@@ -111,6 +116,15 @@ def take_colors(lights) -> tuple[dict, list[Remark]]:
         if not why:
             lamps[light] = _take_color(light)
     return lamps, remarks
+
+
+def colors_of(lights) -> dict:
+    """{light: Lamp} of the lamps whose colours `take_colors` takes, whether or not it has."""
+    return {light: _color_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
+
+
+def _is_own(light) -> bool:
+    return light.library is None and light.override_library is None
 
 
 def _obstacle(light) -> str:
@@ -137,8 +151,16 @@ def _take_color(light) -> Lamp:
         light.use_nodes = True
     light.use_temperature = False
     light.color = (1.0, 1.0, 1.0)
-    before = light[_BEFORE].to_dict()
-    return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
+    return _color_of(light)
+
+
+def _color_of(light) -> Lamp:
+    if _BEFORE in light:
+        before = light[_BEFORE].to_dict()
+        return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
+    if light.use_temperature:
+        return Lamp(tuple(light.color), light.temperature, tuple(light.temperature_color))
+    return Lamp(tuple(light.color))
 
 
 def restore(light):
@@ -161,35 +183,46 @@ def local_lights():
     return [light for light in bpy.data.lights if light.library is None]
 
 
-class Lighting:
-    """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps.
+def temperatures_of(groups: list[str], lamps: dict, shadings: list) -> dict[str, float]:
+    """{light group: kelvin} of the groups in which all that shines is one black body.
 
-    temperatures: {light group: kelvin} of the groups in which all is one black body.
+    lamps: {light: Lamp}, as `take_colors` gives them.
     """
+    found = {}
+    for shading in shadings:
+        for kelvin in _temperatures_in(shading, lamps.get(shading.owner)):
+            found.setdefault(group_of(shading, groups), set()).add(kelvin)
+    return {name: next(iter(kinds)) for name, kinds in found.items() if len(kinds) == 1 and None not in kinds}
+
+
+def group_of(shading, groups: list[str]) -> str:
+    """The light group, of those of a scene, that what a node tree emits belongs to."""
+    return shading.light_group if shading.light_group in groups else groups[-1]
+
+
+def _temperatures_in(shading, lamp: Lamp | None):
+    """Kelvin of each emission of a tree; None for what is no black body."""
+    for node in shading.tree.nodes:
+        for socket in spectral_sockets(node):
+            if kind_of(socket) is Kind.EMISSION and in_use(socket):
+                own = blackbody_behind(socket)
+                if lamp and lamp.temperature:
+                    yield None if own else lamp.temperature
+                else:
+                    yield own
+
+
+def first_illuminant(temperatures: dict[str, float], group: str) -> str:
+    """The illuminant that a light group has before the artist chooses one."""
+    return _planckian(temperatures[group]) if group in temperatures else _DAYLIGHT
+
+
+class Lighting:
+    """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
 
     def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list):
         self.model, self.groups, self.lamps = model, groups, lamps
-        found = {}
-        for shading in shadings:
-            for kelvin in self._temperatures_in(shading):
-                found.setdefault(self._name(shading), set()).add(kelvin)
-        self.temperatures = {name: next(iter(kinds)) for name, kinds in found.items() if len(kinds) == 1}
-        self.temperatures = {name: kelvin for name, kelvin in self.temperatures.items() if kelvin}
-
-    def _name(self, shading) -> str:
-        return shading.light_group if shading.light_group in self.groups else self.groups[-1]
-
-    def _temperatures_in(self, shading):
-        """Kelvin of each emission of a tree; None for what is no black body."""
-        lamp = self.lamps.get(shading.owner)
-        for node in shading.tree.nodes:
-            for socket in spectral_sockets(node):
-                if kind_of(socket) is Kind.EMISSION and in_use(socket):
-                    own = blackbody_behind(socket)
-                    if lamp and lamp.temperature:
-                        yield None if own else lamp.temperature
-                    else:
-                        yield own
+        self.temperatures = temperatures_of(groups, lamps, shadings)
 
     def _emitter(self, name: str, kelvin: float):
         """The emitter group of a black body in a light group."""
@@ -198,16 +231,12 @@ class Lighting:
         coefficients = self.model.emission(spectrum, library.illuminant(reference))
         return nodes.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
 
-    def illuminant(self, name: str) -> str:
-        """The illuminant that a light group has before the artist chooses one."""
-        return _planckian(self.temperatures[name]) if name in self.temperatures else _DAYLIGHT
-
     def convert(self, conversion, shading, socket):
         """Put the light of its light group in front of a socket that sends out light."""
-        name = self._name(shading)
-        spectral = conversion.carries_spectrum(socket, set())
+        name = group_of(shading, self.groups)
+        spectral = conversion.carries_spectrum(socket)
         if spectral:
-            conversion.upsample(socket, set())
+            conversion.upsample(socket)
         kelvin = blackbody_behind(socket)
         if kelvin:
             conversion.insert(socket, self._emitter(name, kelvin))

@@ -211,8 +211,9 @@ def _convert_colors(scene, groups: list[str], model: FactorModel):
     remarks.write(scene, [*about_noise, *about_trees, *about_lamps, *about_groups, *about_colors])
     given = {}
     for row in scene.relume.light_groups:
-        if not row.is_property_set("illuminant") and shining.illuminant(row.name) != row.illuminant:
-            row["illuminant"] = given[row.name] = shining.illuminant(row.name)
+        first = lights.first_illuminant(shining.temperatures, row.name)
+        if not row.is_property_set("illuminant") and first != row.illuminant:
+            row["illuminant"] = given[row.name] = first
     scene[_GIVEN] = given
 
 

@@ -139,37 +139,41 @@ class Conversion:
         path = socket.path_from_id("default_value")
         return animation.is_shared(shading.tree, path) or animation.is_shared(shading.owner, f"node_tree.{path}")
 
-    def carries_spectrum(self, socket, visited: set) -> bool:
-        """Whether a measured spectrum reaches a socket."""
-        if not self.has_spectra or socket in visited:
-            return False
-        visited.add(socket)
-        link = self.wiring.link(socket)
-        if link is not None and not link.is_muted and nodes.role(link.from_node) == "spectrum":
-            return True
-        if link is not None and link.from_node.type in _RGB_ONLY:
-            self.remark_on_rgb_only(link.from_node, visited)
-            return False
-        return any(self.carries_spectrum(feed, visited) for feed in self.wiring.feeds(socket) or ())
+    def carries_spectrum(self, socket, visited: set | None = None) -> bool:
+        """Whether a measured spectrum reaches a socket. visited: sockets that need not be looked at."""
+        visited, waiting = set() if visited is None else visited, [socket] if self.has_spectra else []
+        while waiting:
+            socket = waiting.pop()
+            if socket in visited:
+                continue
+            visited.add(socket)
+            link = self.wiring.link(socket)
+            if link is not None and not link.is_muted and nodes.role(link.from_node) == "spectrum":
+                return True
+            if link is not None and link.from_node.type in _RGB_ONLY:
+                self.remark_on_rgb_only(link.from_node, visited)
+            else:
+                waiting += self.wiring.feeds(socket) or ()
+        return False
 
     def remark_on_rgb_only(self, node, visited: set):
         if any(self.carries_spectrum(s, visited) for s in node.inputs if s.type == "RGBA"):
             why = "it changes a spectrum as if it were an RGB colour: put the spectrum behind it"
             self.remarks.append(Remark(self.by_tree[node.id_data].words, node.name, why))
 
-    def upsample(self, socket, visited: set):
+    def upsample(self, socket):
         """Make what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
-        if socket in visited:
-            return
-        visited.add(socket)
-        link = self.wiring.link(socket)
-        if link is not None and nodes.role(link.from_node) in nodes.INSERTED | {"spectrum"}:
-            return
-        if self.carries_spectrum(socket, set()):
-            for feed in self.wiring.feeds(socket) or ():
-                self.upsample(feed, visited)
-        elif not self.is_neutral(socket, link):
-            self.insert(socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
+        visited, waiting = set(), [socket]
+        while waiting:
+            socket = waiting.pop()
+            link = self.wiring.link(socket)
+            if socket in visited or (link and nodes.role(link.from_node) in nodes.INSERTED | {"spectrum"}):
+                continue
+            visited.add(socket)
+            if self.carries_spectrum(socket):
+                waiting += self.wiring.feeds(socket) or ()
+            elif not self.is_neutral(socket, link):
+                self.insert(socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
 
     def is_neutral(self, socket, link) -> bool:
         """Whether the value of a socket is the same in every channel, and stays so."""
@@ -233,10 +237,10 @@ def _convert_tree(conversion: Conversion, shading: Shading, light):
             elif kind_of(socket) is Kind.EMISSION:
                 light(conversion, shading, socket)
             else:
-                conversion.upsample(socket, set())
+                conversion.upsample(socket)
         if _is_closed(node):
             for socket in [s for s in node.inputs if s.type == "RGBA"]:
-                conversion.upsample(socket, set())
+                conversion.upsample(socket)
     if not has_output:
         conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
 

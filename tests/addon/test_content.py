@@ -4,7 +4,64 @@ import bpy
 import pytest
 
 from relume.addon import content, setup, spectra
-from relume.core import library
+from relume.core import fresnel, library
+
+RED = "ColorChecker: red"
+
+
+@pytest.fixture
+def cube(startup):
+    """The scene with its cube alone, and the cube's material."""
+    bpy.data.objects.remove(bpy.data.objects["Plane"])
+    return bpy.data.objects["Cube"].active_material
+
+
+def told_of(scene) -> dict:
+    """{name of a spectrum, or RGB colour of three digits: its share}, without greys."""
+    told = content.content_of(scene)
+    colors = [tuple(color) for color in told.colors.round(3).tolist()]
+    found = dict(zip([spectrum.name for spectrum in told.reflectances] + colors, told.shares, strict=True))
+    return {source: share for source, share in found.items() if isinstance(source, str) or len(set(source)) > 1}
+
+
+def spectrum_in(tree, group):
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    return node
+
+
+def group_in(tree, **sockets):
+    """A new node group in a tree, with those inputs and outputs: (its node, its input node, its output node)."""
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    for name, (in_out, kind) in sockets.items():
+        group.interface.new_socket(name, in_out=in_out, socket_type=f"NodeSocket{kind}")
+    return spectrum_in(tree, group), group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+
+
+def metal_in(tree):
+    node = tree.nodes.new("ShaderNodeBsdfMetallic")
+    node.fresnel_type = "PHYSICAL_CONDUCTOR"
+    return node
+
+
+def surface(tree):
+    return tree.nodes["Material Output"].inputs["Surface"]
+
+
+def modified(thing):
+    """The input and the output node of new Geometry Nodes on an object."""
+    tree = bpy.data.node_groups.new("geometry", "GeometryNodeTree")
+    for in_out in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    thing.modifiers.new("geometry", "NODES").node_group = tree
+    return tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+
+
+def red_material():
+    material = bpy.data.materials.new("red")
+    tree = spectra.new_reflectance(library.reflectance(RED))
+    spectra.assign(material, material.node_tree.nodes["Principled BSDF"].inputs["Base Color"], tree)
+    return material
 
 
 def test_the_room_is_told_by_its_spectra_and_what_the_camera_sees(room):
@@ -47,6 +104,7 @@ def test_automatic_channels_say_why_and_follow_the_tolerance(room):
 
 def test_greys_take_one_pass(startup):
     startup.relume.channels = "auto"
+    bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
     for thing in bpy.data.objects:
         for slot in thing.material_slots:
             slot.material = None
@@ -59,3 +117,184 @@ def test_a_spectrum_takes_the_place_of_the_colour(startup):
     tree = spectra.new_reflectance(library.reflectance("ColorChecker: green"))
     spectra.assign(material, material.node_tree.nodes["Principled BSDF"].inputs["Base Color"], tree)
     assert [spectrum.name for spectrum in content.content_of(startup).reflectances] == ["ColorChecker: green"]
+
+
+@pytest.mark.parametrize("in_a_group", [False, True])
+def test_a_measured_metal_is_told_by_its_reflectance(startup, cube, in_a_group):
+    tree = cube.node_tree
+    target = surface(tree)
+    if in_a_group:
+        caller, _, end = group_in(tree, Shader=("OUTPUT", "Shader"))
+        tree.links.new(caller.outputs[0], target)
+        tree, target = caller.node_tree, end.inputs[0]
+    metal = metal_in(tree)
+    tree.links.new(metal.outputs[0], target)
+    gold = spectrum_in(tree, spectra.new_conductor("Gold", *library.conductor("gold")))
+    for name in ("IOR", "Extinction"):
+        tree.links.new(gold.outputs[name], metal.inputs[name])
+    told = content.content_of(startup)
+    assert [spectrum.name for spectrum in told.reflectances] == ["Gold"]
+    assert told.reflectances[0].sampled([450.0, 650.0]) == pytest.approx([0.39, 0.97], abs=0.03)  # Johnson and Christy
+    assert told_of(startup)["Gold"] > 100
+
+
+def test_a_metal_of_rgb_numbers_is_told_as_a_colour_before_and_after_set_up(startup, cube):
+    metal = metal_in(cube.node_tree)
+    cube.node_tree.links.new(metal.outputs[0], surface(cube.node_tree))
+    cube.node_tree.nodes.remove(cube.node_tree.nodes["Principled BSDF"])
+    n, k = (metal.inputs[name].default_value[:] for name in ("IOR", "Extinction"))
+    expected = tuple(fresnel.reflectance(n, k, 1.0).round(3).tolist())
+    before = told_of(startup)
+    assert before[expected] > 100
+    setup.set_up(startup)
+    assert told_of(startup) == before
+
+
+def test_a_spectrum_is_told_that_comes_out_of_a_group(startup, cube):
+    caller, _, end = group_in(cube.node_tree, Color=("OUTPUT", "Color"))
+    inside = spectrum_in(caller.node_tree, spectra.new_reflectance(library.reflectance(RED)))
+    caller.node_tree.links.new(inside.outputs[0], end.inputs[0])
+    cube.node_tree.links.new(caller.outputs[0], cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
+    before = told_of(startup)
+    assert before[RED] > 100
+    assert content.content_of(startup).textures == 0.0
+    setup.set_up(startup)
+    assert told_of(startup) == before
+
+
+def test_a_group_tells_each_material_of_what_that_one_puts_in(startup, cube):
+    caller, source, end = group_in(cube.node_tree, Color=("INPUT", "Color"), Shader=("OUTPUT", "Shader"))
+    inner = caller.node_tree
+    diffuse = inner.nodes.new("ShaderNodeBsdfDiffuse")
+    inner.links.new(source.outputs["Color"], diffuse.inputs["Color"])
+    inner.links.new(diffuse.outputs[0], end.inputs[0])
+    cube.node_tree.links.new(caller.outputs[0], surface(cube.node_tree))
+    cube.node_tree.nodes.remove(cube.node_tree.nodes["Principled BSDF"])
+    other = bpy.data.materials.new("other")
+    bpy.data.objects["Cube"].data.materials.append(other)  # on no face
+    another = spectrum_in(other.node_tree, inner)
+    other.node_tree.links.new(another.outputs[0], surface(other.node_tree))
+    other.node_tree.nodes.remove(other.node_tree.nodes["Principled BSDF"])
+    another.inputs["Color"].default_value = (0.1, 0.6, 0.3, 1.0)
+    spectra.assign(cube, caller.inputs["Color"], spectra.new_reflectance(library.reflectance(RED)))
+    told = told_of(startup)
+    assert told[RED] > 100 and told[(0.1, 0.6, 0.3)] == 0.5
+
+
+@pytest.mark.parametrize(("kind", "is_known"), [("MIX", True), ("MULTIPLY", False)])
+def test_a_mix_is_told_by_its_parts_if_it_only_mixes(startup, cube, kind, is_known):
+    tree = cube.node_tree
+    mix = tree.nodes.new("ShaderNodeMixRGB")
+    mix.blend_type = kind
+    mix.inputs["Color2"].default_value = (0.1, 0.6, 0.3, 1.0)
+    red = spectrum_in(tree, spectra.new_reflectance(library.reflectance(RED)))
+    tree.links.new(red.outputs[0], mix.inputs["Color1"])
+    tree.links.new(mix.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    told = told_of(startup)
+    assert told[RED] > 100
+    assert ((0.1, 0.6, 0.3) in told) == is_known
+    assert (content.content_of(startup).textures > 100) != is_known
+
+
+def test_a_colour_that_is_not_used_is_not_told(startup, cube):
+    principled = cube.node_tree.nodes["Principled BSDF"]
+    principled.inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    principled.inputs["Coat Tint"].default_value = (0.9, 0.2, 0.1, 1.0)
+    bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
+    assert told_of(startup) == {}
+    principled.inputs["Coat Weight"].default_value = 0.5
+    assert set(told_of(startup)) == {(0.9, 0.2, 0.1)}
+
+
+def test_an_animated_colour_may_be_any(startup, cube):
+    socket = cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    socket.keyframe_insert("default_value")
+    assert content.content_of(startup).textures > 100
+    setup.set_up(startup)
+    assert content.content_of(startup).textures > 100
+
+
+def test_a_material_that_geometry_nodes_give_is_seen(startup, cube):
+    source, end = modified(bpy.data.objects["Cube"])
+    tree = source.id_data
+    give = tree.nodes.new("GeometryNodeSetMaterial")
+    give.inputs["Material"].default_value = red_material()
+    tree.links.new(source.outputs[0], give.inputs["Geometry"])
+    tree.links.new(give.outputs[0], end.inputs[0])
+    assert told_of(startup)[RED] > 100
+
+
+def test_instances_of_geometry_nodes_may_show_any_of_their_materials(startup, cube):
+    """They have more faces than the object that they come from."""
+    source, end = modified(bpy.data.objects["Cube"])
+    tree = source.id_data
+    give, sphere, spread = (
+        tree.nodes.new(f"GeometryNode{kind}") for kind in ("SetMaterial", "MeshIcoSphere", "InstanceOnPoints")
+    )
+    give.inputs["Material"].default_value = red_material()
+    sphere.inputs["Subdivisions"].default_value = 4
+    for output, target in (
+        (sphere.outputs[0], give.inputs["Geometry"]),
+        (give.outputs[0], spread.inputs["Instance"]),
+        (source.outputs[0], spread.inputs["Points"]),
+        (spread.outputs[0], end.inputs[0]),
+    ):
+        tree.links.new(output, target)
+    startup.relume.channels = "auto"
+    setup.set_up(startup)
+    assert told_of(startup)[RED] > 50
+
+
+def test_materials_of_an_instanced_collection_are_told(startup, cube):
+    thing, collection = bpy.data.objects["Cube"], bpy.data.collections.new("instanced")
+    thing.active_material = red_material()
+    collection.objects.link(thing)
+    startup.collection.children[0].objects.unlink(thing)
+    empty = bpy.data.objects.new("empty", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    startup.collection.objects.link(empty)
+    assert told_of(startup)[RED] > 100
+
+
+def test_coloured_lamps_and_worlds_are_told(startup, cube):
+    background = startup.world.node_tree.nodes["Background"]
+    background.inputs["Color"].default_value = (0.1, 0.2, 0.8, 1.0)
+    before = told_of(startup)
+    assert set(before) == {(0.7, 0.2, 0.1), (1.0, 0.8, 0.5), (0.1, 0.2, 0.8)}
+    assert before[(0.1, 0.2, 0.8)] > before[(1.0, 0.8, 0.5)]  # it is seen as well
+    setup.set_up(startup)
+    assert told_of(startup) == before
+
+
+def test_a_coloured_lamp_on_greys_takes_more_than_one_channel(startup):
+    startup.relume.channels = "auto"
+    for thing in bpy.data.objects:
+        for slot in thing.material_slots:
+            slot.material = None
+    setup.set_up(startup)
+    assert startup.relume.model().channels >= 3
+
+
+def test_a_black_body_is_told_as_an_illuminant_before_it_is_in_the_mixer(startup, cube):
+    lamp = bpy.data.lights["Light"]
+    lamp.use_temperature, lamp.temperature, lamp.color = True, 3000.0, (1.0, 1.0, 1.0)
+    bpy.data.objects["Light"].lightgroup = startup.view_layers[0].lightgroups.add(name="lamp").name
+    expected = ["Planckian 3000 K", "D65"]
+    for _ in range(2):
+        told = content.content_of(startup)
+        assert [light.name for light in told.lights] == expected and told.textures == 0.0
+        setup.set_up(startup)
+    # Among daylight it has a colour
+    setup.remove(startup)
+    bpy.data.objects["Light"].lightgroup = ""
+    told = content.content_of(startup)
+    assert [light.name for light in told.lights] == ["D65"] and told.textures > 0.0
+
+
+def test_what_the_mixer_shines_is_told_from_wherever_it_comes(startup):
+    setup.set_up(startup)
+    row = startup.relume.light_groups[0]
+    row.source, row.temperature = "PLANCKIAN", 2000.0
+    assert [light.name for light in content.content_of(startup).lights] == [row.spectrum().name]
+    row.source, row.illuminant = "LIBRARY", "no such lamp"
+    assert [light.name for light in content.content_of(startup).lights] == ["D65"]
