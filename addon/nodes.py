@@ -2,7 +2,8 @@
 
 In shaders:
 - *View* reads the matrix of the view layer being rendered (see `passes`);
-- a *spectrum* group holds p coefficients and gives the colour `W @ c`, or a plain RGB colour where there is no W;
+- a *spectrum* group holds p coefficients and gives the colour `W @ c`, or a plain RGB colour where there is no W (see
+  `spectra`);
 - a *glass* group refracts each channel by its own index (see `glass`);
 - *Upsample* does the same for an RGB input, or a vector that holds one number for each of red, green and blue;
 - *Light* upsamples the colour of a lamp and colours it as its light group;
@@ -28,15 +29,11 @@ __all__ = [
     "choose",
     "clear_orphans",
     "emitter_group",
-    "fill_spectrum",
-    "fill_spectrum_plain",
     "insert",
     "light_group",
     "matrix_sockets",
     "mixed",
-    "new_spectrum",
     "new_tree",
-    "plain_of",
     "recombination_group",
     "role",
     "set_spectral",
@@ -239,66 +236,9 @@ def weighed(tree, view, coefficients, row: int):
     return total
 
 
-def new_spectrum(name: str, outputs: dict[str, str]):
-    """An empty *spectrum* group with those outputs: socket name -> "Color" or "Vector"."""
-    tree = new_tree(name, "ShaderNodeTree", "spectrum")
-    for socket, kind in outputs.items():
-        add_socket(tree, socket, kind, output=True)
-    return tree
-
-
-def fill_spectrum_plain(tree, plain: dict[str, tuple]):
-    """Give a spectrum group only the values that it shows in a scene without Relume: output -> three numbers."""
-    tree.nodes.clear()
-    output = add(tree, "NodeGroupOutput", 1)
-    for row, (name, value) in enumerate(plain.items()):
-        if output.inputs[name].type == "RGBA":
-            node = add(tree, "ShaderNodeRGB", 0, row)
-            node.outputs[0].default_value = (*value, 1.0)
-        else:
-            node = add(tree, "ShaderNodeCombineXYZ", 0, row)
-            for socket, number in zip(node.inputs, value, strict=True):
-                socket.default_value = number
-        tree.links.new(node.outputs[0], output.inputs[name])
-
-
-def plain_of(tree) -> dict[str, tuple]:
-    """The plain values of a spectrum group, whichever way it is filled."""
-    output = next(node for node in tree.nodes if node.type == "GROUP_OUTPUT")
-    found = {}
-    for socket in output.inputs:
-        if not socket.is_linked:
-            continue
-        node = socket.links[0].from_node
-        if node.type == "RGB":
-            found[socket.name] = tuple(node.outputs[0].default_value[:3])
-        elif node.type == "COMBXYZ":
-            found[socket.name] = tuple(number.default_value for number in node.inputs)
-        else:
-            found[socket.name] = tuple(mixed(node, "A").default_value[:3])
-    return found
-
-
 def mixed(mix, name: str):
     """Colour input A or B of a Mix node."""
     return next(socket for socket in mix.inputs if socket.name == name and socket.type == "RGBA")
-
-
-def fill_spectrum(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
-    """Give a spectrum group p coefficients for each output, and the plain values for a scene without Relume."""
-    tree.nodes.clear()
-    channels = len(next(iter(coefficients.values())))
-    output = add(tree, "NodeGroupOutput", channels + 3)
-    view = add_view(tree, channels)
-    for row, (name, values) in enumerate(coefficients.items()):
-        total = weighed(tree, view, values, row)
-        if output.inputs[name].type == "VECTOR":
-            # n and k of a metal: what the preview makes of them may not be negative
-            bound = add(tree, "ShaderNodeVectorMath", channels + 1, row, operation="MAXIMUM")
-            tree.links.new(total, bound.inputs[0])
-            total = bound.outputs[0]
-        chosen = choose(tree, channels + 2, view.outputs["ON"], plain[name], total)
-        tree.links.new(chosen, output.inputs[name])
 
 
 @contextmanager

@@ -5,6 +5,7 @@ for a reflectance; `IOR` and `Extinction` for the complex index of refraction of
 """
 
 import bpy
+import numpy as np
 
 from ..core import fresnel, view
 from ..core.factor_model import FactorModel
@@ -54,9 +55,11 @@ def _alike(a: Spectrum, b: Spectrum) -> bool:
 
 
 def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
-    tree = nodes.new_spectrum(name, {socket: kind for socket, (kind, _) in outputs.items()})
+    tree = nodes.new_tree(name, "ShaderNodeTree", "spectrum")
+    for socket, (kind, _) in outputs.items():
+        nodes.add_socket(tree, socket, kind, output=True)
     tree[SPECTRA] = {socket: spectrum.to_dict() for socket, (_, spectrum) in outputs.items()}
-    nodes.fill_spectrum_plain(tree, _plain(tree))
+    _fill_plain(tree, _plain(tree))
     # Channels of the model being rendered, where there is one
     for scene in bpy.data.scenes:
         if scene.relume.is_set_up:
@@ -153,7 +156,56 @@ def _fill(tree, model: FactorModel):
     else:
         n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
         coefficients = {"IOR": n, "Extinction": k}
-    nodes.fill_spectrum(tree, nodes.plain_of(tree), coefficients)
+    _fill_with(tree, _plain_in(tree), coefficients)
+
+
+def _fill_plain(tree, plain: dict[str, tuple]):
+    """Give a spectrum group only the values that it shows in a scene without Relume: output -> three numbers."""
+    tree.nodes.clear()
+    output = nodes.add(tree, "NodeGroupOutput", 1)
+    for row, (name, value) in enumerate(plain.items()):
+        if output.inputs[name].type == "RGBA":
+            node = nodes.add(tree, "ShaderNodeRGB", 0, row)
+            node.outputs[0].default_value = (*value, 1.0)
+        else:
+            node = nodes.add(tree, "ShaderNodeCombineXYZ", 0, row)
+            for socket, number in zip(node.inputs, value, strict=True):
+                socket.default_value = number
+        tree.links.new(node.outputs[0], output.inputs[name])
+
+
+def _plain_in(tree) -> dict[str, tuple]:
+    """The plain values of a spectrum group, whichever way it is filled."""
+    output = next(node for node in tree.nodes if node.type == "GROUP_OUTPUT")
+    found = {}
+    for socket in output.inputs:
+        if not socket.is_linked:
+            continue
+        node = socket.links[0].from_node
+        if node.type == "RGB":
+            found[socket.name] = tuple(node.outputs[0].default_value[:3])
+        elif node.type == "COMBXYZ":
+            found[socket.name] = tuple(number.default_value for number in node.inputs)
+        else:
+            found[socket.name] = tuple(nodes.mixed(node, "A").default_value[:3])
+    return found
+
+
+def _fill_with(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
+    """Give a spectrum group p coefficients for each output, and the plain values for a scene without Relume."""
+    tree.nodes.clear()
+    channels = len(next(iter(coefficients.values())))
+    output = nodes.add(tree, "NodeGroupOutput", channels + 3)
+    view_node = nodes.add_view(tree, channels)
+    for row, (name, values) in enumerate(coefficients.items()):
+        total = nodes.weighed(tree, view_node, values, row)
+        if output.inputs[name].type == "VECTOR":
+            # n and k of a metal: what the preview makes of them may not be negative
+            bound = nodes.add(tree, "ShaderNodeVectorMath", channels + 1, row, operation="MAXIMUM")
+            tree.links.new(total, bound.inputs[0])
+            total = bound.outputs[0]
+        chosen = nodes.choose(tree, channels + 2, view_node.outputs["ON"], plain[name], total)
+        tree.links.new(chosen, output.inputs[name])
 
 
 def _local():
@@ -169,4 +221,4 @@ def update_all(model: FactorModel):
 def restore_all():
     """Leave in every spectrum of this file only its plain colour."""
     for tree in _local():
-        nodes.fill_spectrum_plain(tree, nodes.plain_of(tree))
+        _fill_plain(tree, _plain_in(tree))
