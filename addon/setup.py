@@ -19,10 +19,12 @@ from . import (
     passes,
     properties,
     remarks,
+    render_settings,
     sockets,
     spectra,
 )
 from .icons import CURVE
+from .render_settings import SUBSET
 
 __all__ = [
     "SetupError",
@@ -36,12 +38,9 @@ __all__ = [
     "set_up_afresh",
 ]
 
-_BEFORE = "relume_before"  # what the scene's own settings were
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
-_SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
 _NO_DENOISER = "this Blender has no denoiser: the picture keeps its noise"
-_ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
 
 
 class SetupError(RuntimeError):
@@ -85,7 +84,7 @@ def set_up(scene, model: FactorModel | None = None):
 
 def _set_up(scene, model: FactorModel):
     groups = _sync_light_groups(scene)
-    _keep_settings(scene)
+    render_settings.keep(scene)
     scene[properties.MODEL] = json.dumps(model.to_dict())
     spectra.update_all(model)
     glass.update_all(model)
@@ -123,60 +122,12 @@ def _forget_untouched_rows(settings):
         settings.property_unset("light_groups")
 
 
-def _changed_settings(scene):
-    """(owner, its name in the note, property, value for coefficient passes) of each setting that set-up changes."""
-    return [
-        (scene.render, "render", "engine", "CYCLES"),
-        (scene.render, "render", "use_persistent_data", True),
-        (scene.render, "render", "use_compositing", True),
-        (scene.render, "render", "compositor_precision", "FULL"),
-        (scene.cycles, "cycles", "use_layer_samples", "USE"),
-        *((scene.cycles, "cycles", name, getattr(scene.cycles, name)) for name in ("seed", *_SUBSET, *_ADAPTIVE)),
-    ]
-
-
-def _keep_settings(scene):
-    """Note the scene's own settings and put those that coefficient passes need."""
-    scene[_BEFORE] = {
-        f"{owner}.{name}": getattr(struct, name)
-        for struct, owner, name, _ in _changed_settings(scene)
-        if owner == "render" or struct.is_property_set(name)
-    }
-    scene[_BEFORE]["driven"] = ""
-    scene[_BEFORE]["had_animation"] = scene.animation_data is not None
-    for struct, _, name, value in _changed_settings(scene):
-        setattr(struct, name, value)
-
-
-def _give_settings_back(scene):
-    if _BEFORE not in scene:
-        return
-    before = scene[_BEFORE].to_dict()
-    for name in before["driven"].split():
-        scene.driver_remove(f"cycles.{name}")
-    if before["driven"] and not before["had_animation"]:
-        scene.animation_data_clear()
-    for struct, owner, name, _ in reversed(_changed_settings(scene)):
-        value = before.get(f"{owner}.{name}")
-        if value is None:
-            struct.property_unset(name)
-        else:
-            setattr(struct, name, value)
-    del scene[_BEFORE]
-
-
 def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
     """Choose what Cycles samples in each pass, and have the scene's settings follow the pass that is rendered."""
     chosen = sampling_for(scene, model)
-    scene[_BEFORE]["driven"] = " ".join(chosen.driven)
-    for name in chosen.driven:
-        passes.drive(scene, name, chosen.otherwise[name])
-    if "sample_offset" in chosen.driven:
-        scene.cycles.use_sample_subset = True
+    render_settings.drive(scene, {name: chosen.otherwise[name] for name in chosen.driven})
     if scene.relume.split_samples:
-        own = (getattr(scene.cycles, name) for name in (*_ADAPTIVE, "samples"))
-        for name, value in zip(_ADAPTIVE, sampling.adaptive(*own, model.passes), strict=True):
-            setattr(scene.cycles, name, value)
+        render_settings.stop_noise(scene, model.passes)
     return chosen
 
 
@@ -184,8 +135,8 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
     artist's own drivers decide."""
     settings, cycles = scene.relume, scene.cycles
-    free = {name for name in ("seed", *_SUBSET) if not passes.is_driven_or_animated(scene, f"cycles.{name}")}
-    if settings.split_samples and not settings.same_seed and free.issuperset(_SUBSET):
+    free = {name for name in ("seed", *SUBSET) if not passes.is_driven_or_animated(scene, f"cycles.{name}")}
+    if settings.split_samples and not settings.same_seed and free.issuperset(SUBSET):
         first, count = 0, cycles.samples
         if cycles.use_sample_subset:
             first = cycles.sample_offset
@@ -319,7 +270,7 @@ def remove(scene):
     """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up."""
     compositing.remove(scene)
     passes.remove(scene)
-    _give_settings_back(scene)
+    render_settings.give_back(scene)
     _take_back_illuminants(scene)
     _forget_untouched_rows(scene.relume)
     for name in ("problem", "comparing"):
