@@ -76,7 +76,7 @@ def _ends(wiring, animated: dict, start) -> list:
         elif feeds is None:
             sources = [None]
         else:
-            becomes_another = not _is_passed_on(link.from_node)
+            becomes_another = bool(feeds) and not _is_passed_on(link.from_node)
             sources = [None] if becomes_another else []
             waiting += [(feed, changed or becomes_another) for feed in feeds]
         found += [source for source in sources if not (changed and isinstance(source, tuple))]

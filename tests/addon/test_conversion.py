@@ -145,6 +145,34 @@ def test_a_spectrum_goes_into_a_group_that_others_use_with_colours(startup):
     assert changes(before) == []
 
 
+def test_a_spectrum_that_becomes_a_number_is_none(startup):
+    group = bpy.data.node_groups.new("grey", "ShaderNodeTree")
+    group.interface.new_socket("Value", in_out="INPUT", socket_type="NodeSocketFloat")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    source, diffuse, sink, mix = (
+        group.nodes.new(kind)
+        for kind in ("NodeGroupInput", "ShaderNodeBsdfDiffuse", "NodeGroupOutput", "ShaderNodeMixRGB")
+    )
+    group.links.new(source.outputs["Value"], mix.inputs["Color1"])
+    group.links.new(spectrum_node(group).outputs[0], mix.inputs["Color2"])
+    group.links.new(mix.outputs[0], diffuse.inputs["Color"])
+    group.links.new(diffuse.outputs[0], sink.inputs["Shader"])
+    callers = []
+    for index in range(2):
+        material = bpy.data.materials.new(f"user {index}")
+        bpy.data.objects["Cube"].data.materials.append(material)
+        callers.append(material.node_tree.nodes.new("ShaderNodeGroup"))
+        callers[-1].node_tree = group
+    spectral = spectrum_node(callers[1].id_data)
+    callers[1].id_data.links.new(spectral.outputs[0], callers[1].inputs["Value"])
+    before = dump()
+    setup.set_up(startup)
+    assert upsampled(mix.inputs["Color1"])
+    assert feeding(callers[1].inputs["Value"]) == spectral
+    setup.remove(startup)
+    assert changes(before) == []
+
+
 def test_geometry_nodes_and_instances_bring_their_materials_and_lamps(startup):
     made = bpy.data.materials.new("made by nodes")
     made.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.9, 0.1, 0.2, 1.0)
