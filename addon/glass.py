@@ -14,8 +14,9 @@ from ..core.spectrum import Spectrum
 from . import nodes
 from .spectra import SPECTRA, spectra_of
 
-__all__ = ["GLASS_NODES", "new_glass", "put_back", "replace", "restore_all", "update_all"]
+__all__ = ["CHANNELS", "GLASS_NODES", "disperses", "new_glass", "put_back", "replace", "restore_all", "update_all"]
 
+CHANNELS = 9  # with fewer, a spectrum behind a prism lacks colours
 GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 _KIND = "relume_closure"  # on a glass group: which closure it is made of
 _SODIUM_D = 589.3  # nm
@@ -77,6 +78,13 @@ def _sum(tree, column: int, row: int, a, b):
     tree.links.new(a, node.inputs[0])
     tree.links.new(b, node.inputs[1])
     return node.outputs[0]
+
+
+def disperses(node) -> bool:
+    """Whether a node is a glass whose index of refraction is not the same at all wavelengths."""
+    if nodes.role(node) != "glass" or SPECTRA not in node.node_tree:
+        return False
+    return len(set(spectra_of(node.node_tree)["IOR"].values)) > 1
 
 
 def replace(node, index: Spectrum):

@@ -3,7 +3,7 @@
 import bpy
 import pytest
 
-from relume.addon import content, setup, spectra
+from relume.addon import content, glass, setup, spectra
 from relume.core import fresnel, library
 
 RED = "ColorChecker: red"
@@ -298,3 +298,33 @@ def test_what_the_mixer_shines_is_told_from_wherever_it_comes(startup):
     assert [light.name for light in content.content_of(startup).lights] == [row.spectrum().name]
     row.source, row.illuminant = "LIBRARY", "no such lamp"
     assert [light.name for light in content.content_of(startup).lights] == ["D65"]
+
+
+def test_a_glass_with_dispersion_takes_the_channels_that_a_spectrum_needs(startup, cube):
+    startup.relume.channels = "auto"
+    bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
+    plain = cube.node_tree.nodes.new("ShaderNodeBsdfGlass")
+    cube.node_tree.links.new(plain.outputs[0], surface(cube.node_tree))
+    cube.node_tree.nodes.remove(cube.node_tree.nodes["Principled BSDF"])
+    setup.set_up(startup)
+    assert startup.relume.model().channels == 1
+    node = glass.replace(plain, library.glass("BK7"))
+    setup.set_up(startup)
+    assert startup.relume.model().channels == glass.CHANNELS
+    assert "glass" in startup.relume.plan["reason"]
+    startup.relume.tolerance, startup.relume.switching = 0.02, "ANY"
+    cube.node_tree.nodes[node.name].inputs["Color"].default_value = (0.9, 0.2, 0.1, 1.0)
+    setup.set_up(startup)
+    assert startup.relume.model().channels > glass.CHANNELS  # what the colours need is more
+
+
+def test_numbers_are_grey(startup, cube):
+    """A number that becomes a colour at a socket, straight from a texture or through a group."""
+    bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
+    tree, base = cube.node_tree, cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs["Factor"], base)
+    assert told_of(startup) == {} and content.content_of(startup).textures == 0.0
+    caller, source, end = group_in(tree, Value=("INPUT", "Float"), Color=("OUTPUT", "Color"))
+    caller.node_tree.links.new(source.outputs[0], end.inputs[0])
+    tree.links.new(caller.outputs[0], base)
+    assert told_of(startup) == {} and content.content_of(startup).textures == 0.0
