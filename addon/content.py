@@ -15,6 +15,7 @@ __all__ = ["content_of", "planned"]
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
 _GREY = (0.8, 0.8, 0.8)
+_LEAST = 0.1  # of the picture: what colours count for together, however small they are in it
 
 
 def planned(scene) -> tuple[FactorModel, str]:
@@ -48,6 +49,11 @@ def content_of(scene) -> plan.Content:
                 colors[source] += share
             else:
                 measured[source.name] = (source, share + measured.get(source.name, (source, 0.0))[1])
+    greys = sum(share for color, share in colors.items() if is_grey(color))
+    known = textures + colors.total() - greys + sum(share for _, share in measured.values())
+    if known and greys * _LEAST > known * (1 - _LEAST):
+        scale = known * (1 - _LEAST) / (greys * _LEAST)
+        colors = Counter({c: share * scale if is_grey(c) else share for c, share in colors.items()})
     return plan.Content(
         reflectances=[spectrum for spectrum, _ in measured.values()],
         colors=list(colors),

@@ -328,3 +328,13 @@ def test_numbers_are_grey(startup, cube):
     caller.node_tree.links.new(source.outputs[0], end.inputs[0])
     tree.links.new(caller.outputs[0], base)
     assert told_of(startup) == {} and content.content_of(startup).textures == 0.0
+
+
+def test_a_small_thing_keeps_its_colour(startup, cube):
+    """It fills less of the picture than may miss the tolerance."""
+    startup.relume.channels = "auto"
+    bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
+    bpy.data.objects["Cube"].scale = (0.1, 0.1, 0.1)
+    assert 0.0 < told_of(startup)[(0.7, 0.2, 0.1)] < 0.02 * 48 * 48
+    setup.set_up(startup)
+    assert startup.relume.model().channels >= 3
