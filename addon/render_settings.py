@@ -1,13 +1,17 @@
 """The scene's own render settings that coefficient passes change: noted, changed, given back."""
 
+import bpy
+
 from ..core import sampling
 from . import passes
 
-__all__ = ["SUBSET", "drive", "give_back", "keep", "stop_noise"]
+__all__ = ["SUBSET", "change_engines", "drive", "give_back", "is_previewing", "keep", "stop_noise"]
 
 SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
 _BEFORE = "relume_before"  # on a scene: what its own settings were
+_SOON = 0.1  # seconds
+_waiting = {}  # scene's session_uid: the engine it is to get
 
 
 def _changed(scene):
@@ -24,15 +28,17 @@ def _changed(scene):
 
 def keep(scene):
     """Note the scene's own settings and put those that coefficient passes need."""
+    own_engine = _waiting.pop(scene.session_uid, scene.render.engine)
     scene[_BEFORE] = {
         f"{owner}.{name}": getattr(struct, name)
         for struct, owner, name, _ in _changed(scene)
         if owner == "render" or struct.is_property_set(name)
     }
+    scene[_BEFORE]["render.engine"] = own_engine
     scene[_BEFORE]["driven"] = ""
     scene[_BEFORE]["had_animation"] = scene.animation_data is not None
     for struct, _, name, value in _changed(scene):
-        setattr(struct, name, value)
+        _put(struct, name, value)
 
 
 def drive(scene, otherwise: dict[str, int]):
@@ -65,5 +71,39 @@ def give_back(scene):
         if value is None:
             struct.property_unset(name)
         else:
-            setattr(struct, name, value)
+            _put(struct, name, value)
     del scene[_BEFORE]
+
+
+def is_previewing() -> bool:
+    """Whether Blender renders the preview of a material, a world or a lamp."""
+    return bpy.app.is_job_running("RENDER_PREVIEW")
+
+
+def _put(struct, name: str, value):
+    """Change a setting; another engine has to wait while Cycles renders the preview of a material.
+
+    Blender ends previews before it changes the engine. It waits for them where Python cannot run, and Cycles ends in
+    Python: Blender would stand still for good.
+    """
+    if name != "engine":
+        setattr(struct, name, value)
+        return
+    _waiting.pop(struct.id_data.session_uid, None)
+    if value != struct.engine:
+        if is_previewing():
+            _waiting[struct.id_data.session_uid] = value
+            bpy.app.timers.register(change_engines, first_interval=_SOON)
+        else:
+            struct.engine = value
+
+
+def change_engines():
+    """Give scenes the engines they wait for, once no preview is rendered."""
+    if _waiting and is_previewing():
+        return _SOON
+    for scene in bpy.data.scenes:
+        if engine := _waiting.pop(scene.session_uid, None):
+            scene.render.engine = engine
+    _waiting.clear()
+    return None

@@ -7,7 +7,7 @@ import pytest
 from dump import differences, dump
 from mathutils import Color
 
-from relume.addon import passes, render, setup
+from relume.addon import passes, render, render_settings, setup
 from relume.core import bases
 
 lamps_without_nodes = pytest.mark.xfail(
@@ -192,3 +192,18 @@ def test_passes_stop_at_more_noise_than_the_picture_may_have(room):
     room.relume.split_samples = False
     setup.set_up(room)
     assert room.cycles.adaptive_threshold == pytest.approx(0.01), "where each pass takes all samples"
+
+
+def test_the_engine_changes_when_no_preview_is_rendered(startup, monkeypatch):
+    """Blender would stand still for good: see `render_settings`."""
+    own = startup.render.engine
+    assert own != "CYCLES"
+    setup.set_up(startup)
+    monkeypatch.setattr(render_settings, "is_previewing", lambda: True)
+    setup.remove(startup)
+    assert startup.render.engine == "CYCLES" and render_settings.change_engines() > 0
+    setup.set_up(startup)
+    setup.remove(startup)
+    monkeypatch.setattr(render_settings, "is_previewing", lambda: False)
+    assert render_settings.change_engines() is None
+    assert startup.render.engine == own
