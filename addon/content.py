@@ -37,7 +37,7 @@ def content_of(scene) -> plan.Content:
     found, groups = inventory.take(scene), lights.light_groups_of(scene)
     shadings, lamps = sockets.shadings_of(found)[0], lights.colors_of(found.lights)
     temperatures = lights.temperatures_of(groups, lamps, shadings)
-    kelvin = {shading.owner: temperatures.get(lights.group_of(shading, groups)) for shading in shadings}
+    kelvin = {s.owner: temperatures.get(lights.group_of(s, groups)) for s in shadings if temperatures}
 
     measured, colors, textures = {}, Counter(), 0.0
     for sources, seen in _parts(scene, found, lamps, kelvin):

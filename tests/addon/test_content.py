@@ -338,3 +338,10 @@ def test_a_small_thing_keeps_its_colour(startup, cube):
     assert 0.0 < told_of(startup)[(0.7, 0.2, 0.1)] < 0.02 * 48 * 48
     setup.set_up(startup)
     assert startup.relume.model().channels >= 3
+
+
+def test_a_scene_in_the_dark_is_refused(startup):
+    bpy.data.objects.remove(bpy.data.objects["Light"])
+    startup.world = None
+    with pytest.raises(ValueError, match="needs at least one light"):
+        content.content_of(startup)
