@@ -4,32 +4,17 @@ from collections import Counter
 
 import bpy
 
-from ..core import bases, library, plan
-from ..core.factor_model import FactorModel
+from ..core import library, plan
 from ..core.spectrum import SpectrumError
 from . import glass, inventory, lights, sockets
 from .sources import is_grey, sources_of
 
-__all__ = ["content_of", "planned"]
+__all__ = ["content_of"]
 
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
 _GREY = (0.8, 0.8, 0.8)
 _LEAST = 0.1  # of the picture: what colours count for together, however small they are in it
-
-
-def planned(scene) -> tuple[FactorModel, str]:
-    """The model that suits a scene, and why. A glass with dispersion takes the channels that a spectrum needs."""
-    found = plan.choose(content_of(scene), scene.relume.tolerance)
-    if found.model.channels < glass.CHANNELS and _has_dispersion(scene):
-        reason = f"{glass.CHANNELS} channels, for the spectrum that a glass makes; without it: {found.reason}"
-        return bases.fitted(glass.CHANNELS), reason
-    return found.model, found.reason
-
-
-def _has_dispersion(scene) -> bool:
-    shadings, _ = sockets.shadings_of(inventory.take(scene))
-    return any(glass.disperses(node) for shading in shadings for node in shading.tree.nodes)
 
 
 def content_of(scene) -> plan.Content:
@@ -63,6 +48,7 @@ def content_of(scene) -> plan.Content:
         choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
         space=bpy.data.colorspace.working_space,
+        disperses=any(glass.disperses(node) for shading in shadings for node in shading.tree.nodes),
     )
 
 

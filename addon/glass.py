@@ -14,9 +14,8 @@ from ..core.spectrum import Spectrum
 from . import nodes
 from .spectra import SPECTRA, spectra_of
 
-__all__ = ["CHANNELS", "GLASS_NODES", "disperses", "new_glass", "put_back", "replace", "restore_all", "update_all"]
+__all__ = ["GLASS_NODES", "disperses", "new_glass", "put_back", "replace", "restore_all", "update_all"]
 
-CHANNELS = 9  # with fewer, a spectrum behind a prism lacks colours
 GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 _KIND = "relume_closure"  # on a glass group: which closure it is made of
 _SODIUM_D = 589.3  # nm

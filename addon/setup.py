@@ -4,7 +4,7 @@ import json
 
 import bpy
 
-from ..core import drawing, grouping, sampling, view
+from ..core import drawing, grouping, plan, sampling, view
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
 from . import (
@@ -62,7 +62,8 @@ def set_up(scene, model: FactorModel | None = None):
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
-        model, chosen["reason"] = content.planned(scene)
+        found = plan.choose(content.content_of(scene), scene.relume.tolerance)
+        model, chosen["reason"] = found.model, found.reason
     model = grouping.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())

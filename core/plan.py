@@ -22,6 +22,7 @@ SEED = 20240607
 PIXELS = 3000
 ORDERS = 8  # reflections followed at most
 CHANNELS = (3, 6, 9, 12, 15)
+SPECTRUM = 9  # channels that a spectrum behind a prism needs
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +32,7 @@ class Content:
     reflectances: the measured spectra. colors: (m, 3) RGB colours of `space`. shares: part of the picture of each
     reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
     lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
-    often light is reflected between surfaces at most.
+    often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
     """
 
     reflectances: Sequence[Spectrum] = ()
@@ -42,6 +43,7 @@ class Content:
     choices: Sequence[Spectrum] = ()
     bounces: int = 4
     space: str = "Linear Rec.709"
+    disperses: bool = False
 
     def __post_init__(self):
         colors = np.asarray(self.colors, dtype=np.float64).reshape(-1, 3)
@@ -78,11 +80,15 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """The chosen candidate, those that were weighed before it and found too coarse, and the tolerance."""
+    """The chosen candidate, those that were weighed before it and found too coarse, and the tolerance.
+
+    disperses: whether fewer channels than a spectrum needs were out of the question.
+    """
 
     chosen: Candidate
     rejected: tuple[Candidate, ...]
     tolerance: float
+    disperses: bool = False
 
     @property
     def model(self) -> FactorModel:
@@ -104,7 +110,7 @@ class Plan:
         if chosen.error > self.tolerance:
             return f"{found}; nothing is more exact"
         if not self.rejected:
-            return found
+            return f"{found}; a glass makes a spectrum of light" if self.disperses else found
         nearest = min(self.rejected, key=lambda candidate: candidate.error)
         return f"{found}; {nearest.words} would reach {nearest.error:.2f} under {nearest.worst}"
 
@@ -124,16 +130,19 @@ _NAMES |= {f"prefiltered {space}": f"one light, prefiltered {space} RGB" for spa
 def choose(content: Content, tolerance: float = 1.0) -> Plan:
     """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
-    Of models with as many passes the most exact is taken; where none stays within it, the reference.
+    Of models with as many passes the most exact is taken; where none stays within it, the reference. A glass that
+    makes a spectrum leaves only models of SPECTRUM channels or more.
     """
     if not tolerance > 0:
         raise ValueError(f"the tolerance is {tolerance}: expected more than 0")
     rejected = []
     for alternatives in _candidates(content):
+        if content.disperses and max(model.channels for model in alternatives) < SPECTRUM:
+            continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)
         if best.error <= tolerance or best.model.name == "bands":
-            return Plan(best, tuple(rejected), tolerance)
+            return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
     raise AssertionError("the reference is always a candidate")
 

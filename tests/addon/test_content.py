@@ -4,7 +4,7 @@ import bpy
 import pytest
 
 from relume.addon import content, glass, setup, spectra
-from relume.core import fresnel, library
+from relume.core import fresnel, library, plan
 
 RED = "ColorChecker: red"
 
@@ -310,12 +310,12 @@ def test_a_glass_with_dispersion_takes_the_channels_that_a_spectrum_needs(startu
     assert startup.relume.model().channels == 1
     node = glass.replace(plain, library.glass("BK7"))
     setup.set_up(startup)
-    assert startup.relume.model().channels == glass.CHANNELS
+    assert startup.relume.model().channels == plan.SPECTRUM
     assert "glass" in startup.relume.plan["reason"]
     startup.relume.tolerance, startup.relume.switching = 0.02, "ANY"
     cube.node_tree.nodes[node.name].inputs["Color"].default_value = (0.9, 0.2, 0.1, 1.0)
     setup.set_up(startup)
-    assert startup.relume.model().channels > glass.CHANNELS  # what the colours need is more
+    assert startup.relume.model().channels > plan.SPECTRUM  # what the colours need is more
 
 
 def test_numbers_are_grey(startup, cube):
