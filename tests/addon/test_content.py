@@ -275,6 +275,7 @@ def test_a_coloured_lamp_on_greys_takes_more_than_one_channel(startup):
     assert startup.relume.model().channels >= 3
 
 
+@pytest.mark.skipif(bpy.app.version < (5, 1), reason="its lamps have no nodes before they are set up: told as textures")
 def test_a_black_body_is_told_as_an_illuminant_before_it_is_in_the_mixer(startup, cube):
     lamp = bpy.data.lights["Light"]
     lamp.use_temperature, lamp.temperature, lamp.color = True, 3000.0, (1.0, 1.0, 1.0)
