@@ -45,7 +45,7 @@ class FactorModel:
         for field in ARRAYS:
             if getattr(self, field) is not None:
                 try:
-                    array = np.array(getattr(self, field), dtype=np.float64)
+                    array = np.array(getattr(self, field), dtype=np.float64, order="C")
                 except (TypeError, ValueError):
                     raise ModelError(f"model {self.name!r}: {field} must be numbers") from None
                 if not np.isfinite(array).all():

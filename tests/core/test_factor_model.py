@@ -71,7 +71,9 @@ def test_survives_json(name):
     model = MODELS[name]
     again = FactorModel.from_dict(json.loads(json.dumps(model.to_dict())))
     light = library.illuminant("FL2")
-    assert np.array_equal(again.filters, model.filters) and np.array_equal(again.relight(light), model.relight(light))
+    assert np.array_equal(again.filters, model.filters)
+    # BLAS does not promise the same last bit twice.
+    np.testing.assert_allclose(again.relight(light), model.relight(light), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["fitted 9", "bands", "block"])
@@ -160,7 +162,7 @@ def test_spectrum_objects_and_arrays_agree():
     model = bases.fitted(6)
     patches = library.reflectances("colorchecker")
     table = np.stack([patch.sampled() for patch in patches])
-    np.testing.assert_array_equal(model.coefficients(patches), model.coefficients(table))
+    np.testing.assert_allclose(model.coefficients(patches), model.coefficients(table), rtol=1e-14)
     np.testing.assert_allclose(model.coefficients(patches[3]), model.coefficients(table[3]), rtol=1e-14)
     assert isinstance(patches[0], Spectrum)
 
