@@ -12,13 +12,10 @@ import numpy as np
 
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
+from ..core.errors import RenderError
 from . import passes, setup
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
-
-
-class RenderError(RuntimeError):
-    """A render that could not be made; the message says why."""
 
 
 @dataclass(frozen=True)

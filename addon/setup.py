@@ -5,6 +5,7 @@ import json
 import bpy
 
 from ..core import drawing, grouping, plan, sampling, view
+from ..core.errors import SetupError
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
 from . import (
@@ -41,10 +42,6 @@ __all__ = [
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 _LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
 _NO_DENOISER = "this Blender has no denoiser: the picture keeps its noise"
-
-
-class SetupError(RuntimeError):
-    """A scene that cannot be set up; the message says what it lacks."""
 
 
 def set_up(scene, model: FactorModel | None = None):

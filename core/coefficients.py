@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .errors import CoefficientImageError
 from .factor_model import FactorModel
 from .spectrum import Spectrum
 from .view import OBSERVER
@@ -40,10 +41,6 @@ EVERYTHING_ELSE = "Everything else"
 _HEADER = "relume"
 _VERSION = 1
 _ROWS = 64  # rows recombined at a time: the temporary arrays stay in the cache
-
-
-class CoefficientImageError(ValueError):
-    """An EXR that does not hold what was expected; the message says which file and what is missing."""
 
 
 @dataclass(frozen=True)

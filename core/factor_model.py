@@ -10,16 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from . import library, relight, training
+from .errors import ModelError
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["FactorModel", "ModelError"]
 
 RULES = ("fitted", "reconstructed", "diagonal")
 ARRAYS = ("wavelengths", "filters", "reconstruction", "primaries", "reflectances")
-
-
-class ModelError(ValueError):
-    """A factor model that cannot be made, or cannot do what was asked; the message says why."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 
+from .errors import LibraryError
 from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = [
@@ -89,13 +90,6 @@ GLASSES = {
     "Diamond": ("main", "C", "Phillip"),
     "Water": ("main", "H2O", "Hale"),
 }
-
-
-class LibraryError(KeyError):
-    """A name that the library does not hold; the message suggests the nearest ones."""
-
-    def __str__(self):
-        return self.args[0]
 
 
 def _key(name):

@@ -2,11 +2,9 @@
 
 import numpy as np
 
+from .errors import MeasureError
+
 __all__ = ["MeasureError", "delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "picture_delta_E", "statistics"]
-
-
-class MeasureError(ValueError):
-    """Colours that cannot be compared; the message says why."""
 
 
 def lab(xyz, white):

@@ -3,11 +3,9 @@
 import re
 from pathlib import Path
 
+from .errors import SequenceError
+
 __all__ = ["SequenceError", "files", "is_pattern", "numbered"]
-
-
-class SequenceError(ValueError):
-    """A sequence that cannot be used; the message says which frames are missing."""
 
 
 def is_pattern(path) -> bool:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .errors import SpectrumError
+
 __all__ = ["KINDS", "WAVELENGTHS", "Spectrum", "SpectrumError"]
 
 WAVELENGTHS = np.arange(380.0, 785.0, 5.0)  # nm, (81,)
@@ -11,10 +13,6 @@ WAVELENGTHS.setflags(write=False)
 
 KINDS = ("reflectance", "illuminant", "refractive index", "extinction", "sensitivity")
 _ZERO_OUTSIDE = ("illuminant", "sensitivity")
-
-
-class SpectrumError(ValueError):
-    """Samples that do not make a spectrum; the message says which and why."""
 
 
 @dataclass(frozen=True, eq=False)
