@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format extension clean
+.PHONY: help demo test torture lint format extension clean
 
 help: ## List these targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -9,6 +9,9 @@ demo: .venv/.complete ## Render the test room once and relight it; the pictures 
 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
 	.venv/bin/pytest
+
+torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
+	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults -m ""
 
 lint: .venv/.complete ## Check style and format
 	.venv/bin/ruff check .

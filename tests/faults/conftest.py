@@ -1,0 +1,35 @@
+"""Hostile input, counted: a few of each kind in `make test`, thousands in `make torture`."""
+
+import os
+from collections import Counter
+
+import pytest
+
+from . import outcome
+
+_counted = Counter()
+
+
+@pytest.fixture
+def settle(record_property):
+    """Count how a case ended: `settle(outcome.of_call(…))`; a test may settle many."""
+    return lambda how, cases=1: record_property("outcome", (how, cases))
+
+
+def pytest_runtest_logreport(report):
+    for name, value in report.user_properties if report.when == "call" else ():
+        if name == "outcome" and not report.failed:
+            how, cases = value
+            _counted[how] += cases
+    if report.failed and "/faults/" in f"/{report.nodeid}":
+        _counted["failed"] += 1
+
+
+def pytest_terminal_summary(terminalreporter):
+    if _counted:
+        right, said, failed = _counted[outcome.RIGHT], _counted[outcome.SAID], _counted["failed"]
+        seed = os.environ.get("RELUME_SEED", "0")
+        terminalreporter.write_line(
+            f"hostile input: {right + said + failed} cases, {right} with the right result, {said} refused in one line, "
+            f"{failed} failed (RELUME_SEED={seed})"
+        )
