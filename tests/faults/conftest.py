@@ -10,6 +10,31 @@ from . import outcome
 _counted = Counter()
 
 
+@pytest.fixture(scope="session")
+def relume():
+    pytest.importorskip("bpy", reason="the add-on needs bpy")
+    import relume
+
+    relume.register()
+    yield relume
+    relume.unregister()
+
+
+@pytest.fixture(scope="session")
+def little(relume, tmp_path_factory):
+    """The room that ships, so small and coarse that it renders in a second."""
+    bpy = pytest.importorskip("bpy", reason="rendering needs bpy")
+    from relume.assets import make_room
+
+    path = tmp_path_factory.mktemp("little") / "little.blend"
+    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH))
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 16, 12, 100
+    scene.cycles.samples, scene.cycles.use_denoising, scene.relume.channels = 3, False, "3"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return path
+
+
 @pytest.fixture
 def settle(record_property):
     """Count how a case ended: `settle(outcome.of_call(…))`; a test may settle many."""

@@ -14,15 +14,6 @@ bpy = pytest.importorskip("bpy", reason="commands need bpy")
 GROUPS = {"tungsten": "A", "Röhre 2": "FL2"}
 
 
-@pytest.fixture(scope="session")
-def relume():
-    import relume
-
-    relume.register()
-    yield relume
-    relume.unregister()
-
-
 @pytest.fixture
 def run(relume, capfd):
     """Run `relume` with arguments in this process, in the current folder, and return how it ended."""
@@ -118,20 +109,6 @@ def test_relight(seed, run, folder, image, settle):
     if how == outcome.SAID:
         assert after == before, "a refused command left something"
     settle(how)
-
-
-@pytest.fixture(scope="session")
-def little(relume, tmp_path_factory):
-    """The room that ships, so small and coarse that it renders in a second."""
-    from relume.assets import make_room
-
-    path = tmp_path_factory.mktemp("little") / "little.blend"
-    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH))
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 16, 12, 100
-    scene.cycles.samples, scene.cycles.use_denoising, scene.relume.channels = 3, False, "3"
-    bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    return path
 
 
 @pytest.mark.parametrize("seed", [*outcome.seeds(20, 240)])
