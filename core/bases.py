@@ -11,7 +11,8 @@ import numpy as np
 
 from . import filters as filter_files
 from . import library, relight
-from .factor_model import FactorModel, ModelError
+from .factor_model import REFERENCE_CHANNELS, FactorModel, ModelError
+from .rules import Diagonal, Fitted, Reconstructed
 from .spectrum import WAVELENGTHS
 
 __all__ = ["bands", "block", "fitted", "named", "prefiltered", "rgb", "scene", "sharpened"]
@@ -40,9 +41,7 @@ def prefiltered(illuminant, space="sharp", name=None):
     sums = filters.sum(axis=0)
     if (sums <= 1e-3 * sums.max()).any():
         raise ModelError(f"{illuminant.name or 'the illuminant'} is outside the {space} primaries")
-    return FactorModel(
-        name or f"prefiltered {space}", WAVELENGTHS, filters / sums, rule="diagonal", primaries=SPACES[space]
-    )
+    return FactorModel(name or f"prefiltered {space}", WAVELENGTHS, filters / sums, rule=Diagonal(SPACES[space]))
 
 
 def block(channels, limits=(380, 780)):
@@ -51,7 +50,7 @@ def block(channels, limits=(380, 780)):
     edges = np.linspace(limits[0] - 2.5, limits[1] + 2.5, channels + 1)
     filters = _boxes(edges)
     filters /= filters.sum(axis=0)
-    return FactorModel("block", WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
+    return FactorModel("block", WAVELENGTHS, filters, rule=Reconstructed(np.linalg.pinv(filters.T)))
 
 
 @cache
@@ -62,15 +61,15 @@ def bands(channels=36):
     the samples are `filters.REFERENCE`, at other numbers equally spaced. Raises ModelError below 33 channels.
     """
     _check_channels(channels)
-    if not 33 <= channels <= WAVELENGTHS.size:
-        raise ModelError(f"the reference needs 33 to {WAVELENGTHS.size} channels, not {channels}")
+    if not REFERENCE_CHANNELS <= channels <= WAVELENGTHS.size:
+        raise ModelError(f"the reference needs {REFERENCE_CHANNELS} to {WAVELENGTHS.size} channels, not {channels}")
     samples = np.linspace(390.0, 740.0, channels)
     if channels == len(filter_files.REFERENCE):
         samples = np.array(filter_files.REFERENCE, dtype=np.float64)
     if channels == WAVELENGTHS.size:
         samples = WAVELENGTHS
     filters = np.stack([np.interp(samples, WAVELENGTHS, row) for row in np.eye(WAVELENGTHS.size)])
-    return FactorModel("bands", WAVELENGTHS, filters, rule="reconstructed", reconstruction=_cubic(samples))
+    return FactorModel("bands", WAVELENGTHS, filters, rule=Reconstructed(_cubic(samples)))
 
 
 @cache
@@ -137,7 +136,7 @@ def sharpened(
         filters = np.maximum(filters, 0)
         filters /= filters.sum(axis=0)
     name = f"sharpened {method}"
-    return FactorModel(name, WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
+    return FactorModel(name, WAVELENGTHS, filters, rule=Reconstructed(np.linalg.pinv(filters.T)))
 
 
 def _principal_components(count, lights, reflectances, limits):
@@ -214,7 +213,7 @@ def scene(channels, reflectances, illuminants, exact=None, lobes=False):
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
         if exact:
             if lobes:
-                model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+                model = FactorModel("scene", WAVELENGTHS, filters, Fitted(own))
                 matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
                 filters = relight.with_exact_lights(filters, matrices, weights)
                 filters /= filters.sum(axis=0)
@@ -225,7 +224,7 @@ def scene(channels, reflectances, illuminants, exact=None, lobes=False):
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
             "try exact=False"
         )
-    return FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+    return FactorModel("scene", WAVELENGTHS, filters, Fitted(own))
 
 
 @cache

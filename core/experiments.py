@@ -91,7 +91,7 @@ def bounces(channels, reflectances, lights, rule="paper", count=5, trials=1000, 
         for method, model in theirs.items():
             # In [DF] the light is one more factor: its coefficients multiply those of the surfaces.
             coefficients = model.coefficients(power) * accumulated(model.coefficients(series), rule)
-            rebuilt[method] = coefficients @ model.reconstruction.T
+            rebuilt[method] = model.reconstruct(coefficients)
         colours = {method: spectrum @ cmfs for method, spectrum in rebuilt.items()}
         for method, model in ours.items():
             coefficients = accumulated(model.coefficients(series), rule)

@@ -1,6 +1,5 @@
 """Which channels share a pass, so that the noise of a pass is a change of brightness rather than of colour."""
 
-from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations
 
@@ -25,7 +24,7 @@ def balanced(model: FactorModel) -> FactorModel:
     is then taken as a spectrum of three steps. Models whose last pass is part empty, and RGB ones, stay as they are.
     """
     passes = model.passes
-    if model.channels % 3 or model.rule == "diagonal":
+    if model.channels % 3:
         return model
     shares = _white_shares(model)
     groups = [list(range(k, model.channels, passes)) for k in range(passes)]
@@ -36,10 +35,7 @@ def balanced(model: FactorModel) -> FactorModel:
             better |= _swap(groups[a], groups[b], shares)
     centroids = model.wavelengths @ np.abs(model.filters) / np.abs(model.filters).sum(axis=0)
     order = [channel for group in groups for channel in sorted(group, key=lambda k: -centroids[k])]
-    arrays = {"filters": model.filters[:, order]}
-    if model.reconstruction is not None:
-        arrays["reconstruction"] = model.reconstruction[:, order]
-    return replace(model, **arrays)
+    return model.reordered(order)
 
 
 def _white_shares(model) -> np.ndarray:

@@ -31,8 +31,9 @@ __all__ = [
     "sensitivities",
 ]
 
+OBSERVER = "CIE 1931 2°"  # whose XYZ a display is made for
 OBSERVERS = {
-    "CIE 1931 2°": "CIE 1931 2 Degree Standard Observer",
+    OBSERVER: "CIE 1931 2 Degree Standard Observer",
     "CIE 1964 10°": "CIE 1964 10 Degree Standard Observer",
     "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
     "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
@@ -316,7 +317,7 @@ def observers():
 
 
 @cache
-def observer(name="CIE 1931 2°"):
+def observer(name=OBSERVER):
     """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
     from colour import MSDS_CMFS
 

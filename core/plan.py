@@ -13,6 +13,7 @@ import numpy as np
 
 from . import bases, measure
 from .factor_model import FactorModel
+from .rules import Fitted
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix
 
@@ -75,7 +76,7 @@ class Candidate:
     @property
     def words(self) -> str:
         """What an artist calls it."""
-        return _NAMES.get(self.model.name, "{p} channels").format(p=self.model.channels)
+        return self.model.label
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +124,6 @@ class LeftOut:
     cost: str
 
 
-_NAMES = {"grey": "no colours, one channel", "bands": "the reference, {p} bands"}
-_NAMES |= {f"prefiltered {space}": f"one light, prefiltered {space} RGB" for space in bases.SPACES}
-
-
 def choose(content: Content, tolerance: float = 1.0) -> Plan:
     """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
@@ -141,7 +138,7 @@ def choose(content: Content, tolerance: float = 1.0) -> Plan:
             continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)
-        if best.error <= tolerance or best.model.name == "bands":
+        if best.error <= tolerance or best.model.is_reference:
             return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
     raise AssertionError("the reference is always a candidate")
@@ -207,7 +204,7 @@ def _fitted_to(content: Content, channels: int) -> FactorModel:
         colors = np.concatenate([colors, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
     upsampled = truth.reconstruct(colors @ rgb_matrix(truth, content.space).T)
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
-    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, reflectances=np.array(known))
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, Fitted(np.array(known)))
 
 
 class _Pixels:
