@@ -27,7 +27,8 @@ import numpy as np
 
 from ..addon import render, setup
 from ..assets import make_room, room
-from ..core import bases, coefficients, figures, library, measure, view
+from ..core import bases, coefficients, figures, library, measure, recombination
+from ..core.mix import Light, Mix
 from . import mitsuba_room
 
 _MITSUBA, _OURS = "Mitsuba", "p = 9"
@@ -133,7 +134,8 @@ class _Mitsuba:
 
 
 def _white() -> np.ndarray:
-    return view.mixed_white([view.Light(library.illuminant(lamp.illuminant)) for lamp in room.LAMPS], bases.bands())
+    lights = {lamp.name: Light(library.illuminant(lamp.illuminant)) for lamp in room.LAMPS}
+    return recombination.mixed_white(bases.bands(), Mix(lights))
 
 
 def _median(xyz, truth) -> float:

@@ -10,18 +10,15 @@ from functools import cache
 import numpy as np
 
 from . import filters as filter_files
-from . import library, relight
+from . import library, relight, spaces
 from .factor_model import REFERENCE_CHANNELS, FactorModel, ModelError
 from .rules import Diagonal, Fitted, Reconstructed
 from .spectrum import WAVELENGTHS
 
 __all__ = ["bands", "block", "fitted", "named", "prefiltered", "rgb", "scene", "sharpened"]
 
-# Columns: XYZ of the primaries.
-SRGB = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]])
-# [WE] section 2.2: XYZ to Sharp RGB.
-SHARP = np.linalg.inv([[1.2694, -0.0988, -0.1706], [-0.8364, 1.8006, 0.0357], [0.0297, -0.0315, 1.0018]])
-SPACES = {"sharp": SHARP, "srgb": SRGB, "xyz": np.eye(3)}
+# Columns: XYZ of the primaries that colours are prefiltered for; Sharp RGB is [WE] section 2.2.
+SPACES = {"sharp": np.linalg.inv(spaces.ADAPTATIONS["sharp"]), "srgb": spaces.rgb_to_xyz(), "xyz": np.eye(3)}
 
 
 def rgb():

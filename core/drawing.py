@@ -3,9 +3,8 @@
 import numpy as np
 
 from . import library
+from .spaces import rgb_to_xyz, srgb_encoded
 from .spectrum import WAVELENGTHS, Spectrum
-from .upsample import rgb_to_xyz
-from .view import srgb_encoded
 
 __all__ = ["circle", "curve", "icon", "plot", "ribbon", "swatch"]
 
@@ -15,7 +14,7 @@ _OVERSAMPLING = 2
 def swatch(illuminant: Spectrum) -> np.ndarray:
     """(3,) colour of a white under an illuminant, sRGB 0..1, as bright as the display shows it without clipping."""
     xyz = illuminant.sampled() @ library.observer()
-    rgb = np.maximum(np.linalg.solve(rgb_to_xyz("Linear Rec.709"), xyz), 0.0)
+    rgb = np.maximum(np.linalg.solve(rgb_to_xyz(), xyz), 0.0)
     return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
 
 
@@ -44,7 +43,7 @@ def icon(values: np.ndarray, color: np.ndarray, size: int = 32) -> np.ndarray:
     fine = size * _OVERSAMPLING
     heights = 0.06 + 0.80 * _heights(np.asarray(values, float), fine)
     rows = (np.arange(fine) + 0.5)[:, None] / fine
-    luminance = np.asarray(color, float) @ (0.2126, 0.7152, 0.0722)
+    luminance = np.asarray(color, float) @ rgb_to_xyz()[1]
     ink = np.full(3, 0.05 if luminance > 0.4 else 0.95)
     picture = np.ones((fine, fine, 4))
     picture[..., :3] = np.where((rows < heights)[..., None], 0.25 * np.asarray(color) + 0.75 * ink, color)

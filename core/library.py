@@ -38,7 +38,6 @@ OBSERVERS = {
     "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
     "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
 }
-CAMERAS = ("Nikon 5100 (NPL)", "Sigma SDMerill (NPL)")
 # colour-science reads this when it is imported: no warnings of the packages, such as matplotlib, that Blender lacks
 os.environ.setdefault("COLOUR_SCIENCE__FILTER_USAGE_WARNINGS", "True")
 

@@ -49,7 +49,7 @@ def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
     for illuminant, weight in parts:
         if weight > 0.0:
             values = illuminant.sampled()
-            relight.power_weights(values, luminous)  # tells an illuminant that cannot be seen
+            relight.power_weights(values, luminous)  # raises SpectrumError where it cannot be seen
             power += weight / total * values / (values @ luminous[:, 1])
     shares = [f"{weight / total:.0%} {illuminant.name}" for illuminant, weight in parts if weight > 0.0]
     return Spectrum(WAVELENGTHS, power, " + ".join(shares), "illuminant", "blend")

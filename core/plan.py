@@ -14,6 +14,7 @@ import numpy as np
 from . import bases, measure
 from .factor_model import FactorModel
 from .rules import Fitted
+from .spaces import REC709, srgb_decoded
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix
 
@@ -43,7 +44,7 @@ class Content:
     lights: Sequence[Spectrum] = ()
     choices: Sequence[Spectrum] = ()
     bounces: int = 4
-    space: str = "Linear Rec.709"
+    space: str = REC709
     disperses: bool = False
 
     def __post_init__(self):
@@ -200,7 +201,7 @@ def _fitted_to(content: Content, channels: int) -> FactorModel:
     truth = bases.bands()
     colors = content.colors
     if content.textures > 0:
-        levels = _linear(np.linspace(0, 1, 4))
+        levels = srgb_decoded(np.linspace(0, 1, 4))
         colors = np.concatenate([colors, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
     upsampled = truth.reconstruct(colors @ rgb_matrix(truth, content.space).T)
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
@@ -220,7 +221,8 @@ class _Pixels:
         seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
         others = random.choice(len(shares), p=shares, size=(orders - 1, PIXELS))
         self.surfaces = np.concatenate([seen[None], others])
-        self.texels = _linear(random.random((orders, PIXELS, 3)))
+        # Textures are spread evenly over what is seen, not over light
+        self.texels = srgb_decoded(random.random((orders, PIXELS, 3)))
         # What a point gathers of the light of all others: all of it in a closed room, half of it in the open
         self.orders = random.uniform(0.5, 1.0, PIXELS) ** np.arange(orders)[:, None]
         if orders > 1:
@@ -246,11 +248,6 @@ def _difference(model, truth, found, true, lights, mixture) -> float:
     xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
     white = exact.sum(axis=(0, 2)) / len(lights)
     return float(np.percentile(measure.picture_delta_E(xyz, true_xyz, white), 98))
-
-
-def _linear(encoded):
-    """sRGB values 0..1 to linear: textures are spread evenly over what is seen, not over light."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
 
 
 def _unit(power):

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .factor_model import FactorModel
-from .view import Light
+from .mix import Light
 
 __all__ = ["Sampling", "adaptive", "dealt", "independent", "same", "shares"]
 

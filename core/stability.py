@@ -161,7 +161,7 @@ def clamps():
     return reports.Section(
         "What is clamped",
         "Coefficients, relight matrices and recombined pictures never are. These are, and their documentation says so: "
-        "pictures for the display (0..1) and the plain RGB colour that a material shows without Relume (`core.view`); "
+        "pictures for the display (0..1) and the RGB colour that a material shows without Relume (`core.spaces`); "
         "lamps of the preview, whose colour may lie outside the display's primaries (at 0); n and k of a conductor per "
         "channel, fitted to reflectances within 0..1 (`core.fresnel`); the coefficients of a lamp in another's light "
         "group, fitted as non-negative numbers (`FactorModel.emission`).",

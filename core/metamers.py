@@ -11,7 +11,7 @@ from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 __all__ = ["metamer", "metameric_black", "metamers"]
 
 
-def metameric_black(spectrum, illuminants, observer="CIE 1931 2°"):
+def metameric_black(spectrum, illuminants, observer=library.OBSERVER):
     """The part of a spectrum (..., 81) that is invisible under every one of the `illuminants` (list of Spectrum).
 
     It is what remains after projection on the span of the weighted matching functions; it may be negative.
