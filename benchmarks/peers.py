@@ -217,7 +217,8 @@ def _report(rows: list[Row], arguments, size, noise: float):
         lines.append(f"| {row.name} | {measured} |")
     arguments.out.mkdir(parents=True, exist_ok=True)
     curves = [(row.name, row.curve()[:, 1], row.curve()[:, 2]) for row in rows]
-    figures.curves(arguments.out / "peers.png", [("seconds", curves)], "ΔE2000 to Mitsuba's long run, median")
+    panel = figures.Panel("seconds", curves, "ΔE2000 to Mitsuba's long run, median", log="xy")
+    figures.curves(arguments.out / "peers.png", [panel])
     (arguments.out / "peers.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(["", *lines, "", str(arguments.out / "peers.md")]))
 

@@ -4,19 +4,19 @@ Each section tells what happens, its bound, and where the limit is physical. Not
 clamped unsaid, and what cannot be done is refused by a named error.
 """
 
-import argparse
 import sys
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from . import bases, experiments, files, hazards, library, measure, reports
+from . import bases, experiments, figures, hazards, library, measure, reports
 from .hazards import outcome, told
 from .relight import power_weights
+from .spectrum import Spectrum
 
 __all__ = ["main"]
-
 
 CHANNELS = (3, 6, 9, 12, 15, 18, 21)
 
@@ -168,8 +168,9 @@ def clamps():
     )
 
 
-def sections(reflectances):
-    """Every hazard, for reflectances (m, 81) where it looks at surfaces."""
+def sections(spectra: list[Spectrum], source: str) -> Iterator[reports.Section]:
+    """Every hazard, on the surfaces of the spectra where it looks at surfaces."""
+    reflectances = np.stack([spectrum.sampled() for spectrum in spectra])
     yield conditioning()
     yield hazards.low_rank()
     yield hazards.single_lines(reflectances)
@@ -181,57 +182,34 @@ def sections(reflectances):
     yield clamps()
 
 
-def draw(done, reflectances, out):
+def draw(done: list[reports.Section], spectra: list[Spectrum], out: Path) -> None:
     """Three panels: conditioning, lines over wavelength, albedo. Raises ImportError."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(15, 4.4), layout="constrained")
-    condition, line, albedo = figure.subplots(1, 3)
-    colours = {"fitted": "C0", "eq. 11": "C1", "eq. 12": "C2", "block": "C3"}
-    for axes, name, column in ((condition, "Conditioning", 2), (albedo, "Albedo 0.99", 5)):
-        curves = {}
+    reflectances = np.stack([spectrum.sampled() for spectrum in spectra])
+    panels = []
+    for name, column, title, up in (
+        ("Conditioning", 2, "conditioning", "cond(F^T F)"),
+        ("Albedo 0.99", 5, "albedo 0.99, infinitely many bounces", "median CIEDE2000"),
+    ):
+        points = defaultdict(list)
         for row in next(section for section in done if section.name == name).rows:
-            if row[1] in colours and row[column][0].isdigit():
-                curves.setdefault(row[1], []).append((row[0], float(row[column].split(" / ")[0])))
-        for label, points in curves.items():
-            axes.semilogy(*zip(*points, strict=True), "o-", label=label, color=colours[label])
-        axes.set(xlabel="p", xticks=CHANNELS)
-        axes.legend()
-    condition.set(title="conditioning", ylabel="cond(F^T F)")
-    albedo.set(title="albedo 0.99, infinitely many bounces", ylabel="median CIEDE2000")
+            if row[1] in ("fitted", "eq. 11", "eq. 12", "block") and row[column][0].isdigit():
+                points[row[1]].append((row[0], float(row[column].split(" / ")[0])))
+        lines = [(label, *zip(*each, strict=True)) for label, each in points.items()]
+        panels.append(figures.Panel("p", lines, up, title, "y", CHANNELS))
     nm = np.arange(400, 701, 5)
+    lights = [library.line(float(one)) for one in nm]
+    lines = []
     for p in hazards.CHANNELS:
-        lights = [library.line(float(one)) for one in nm]
         errors = experiments.product_errors(bases.fitted(p), reflectances, lights)
-        line.plot(nm, np.percentile(errors, 99, axis=1), label=f"p = {p}")
-    line.set(title="surfaces under one line", xlabel="nm", ylabel="99th percentile of CIEDE2000")
-    line.legend()
-    figure.savefig(out / "stability.png", dpi=110)
+        lines.append((f"fitted, p = {p}", nm, np.percentile(errors, 99, axis=1), "-"))
+    panels.insert(1, figures.Panel("nm", lines, "99th percentile of CIEDE2000", "surfaces under one line"))
+    figures.curves(out / "stability.png", panels)
 
 
-@reports.survive_closed_output
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """The command `relume stability` -> exit status."""
-    parser = argparse.ArgumentParser(prog="relume stability", description="What every model does with difficult input.")
-    parser.add_argument("--reflectances", type=Path, metavar="CSV", help="surfaces to look at; default: the CES")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write Markdown, CSV and a PNG file there too")
-    options = parser.parse_args(argv)
-    try:
-        spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
-        values = np.stack([spectrum.sampled() for spectrum in spectra])
-        done = reports.publish("stability", sections(values), options.out)
-        if options.out:
-            draw(done, values, options.out)
-            print(f"written to {options.out}")
-    except ImportError as error:
-        print(f"relume stability: no pictures without {error.name}", file=sys.stderr)
-        return 1
-    except BrokenPipeError:
-        raise
-    except (OSError, *hazards.REFUSALS) as error:
-        print(f"relume stability: {error}", file=sys.stderr)
-        return 1
-    return 0
+    words = "What every model does with difficult input."
+    return reports.run("stability", words, "surfaces to look at", sections, draw, argv)
 
 
 if __name__ == "__main__":
