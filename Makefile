@@ -10,9 +10,10 @@ demo: .venv/.complete ## Render the test room once and relight it; the pictures 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
 	.venv/bin/pytest
 
-lint: .venv/.complete ## Check style and format
+lint: .venv/.complete ## Check style, format and the types of core/
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/mypy core
 
 format: .venv/.complete ## Put the sources into the project's format
 	.venv/bin/ruff check --fix .

@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from . import library, relight
+from .arrays import Array
 from .factor_model import FactorModel
 
 __all__ = ["balanced"]
@@ -38,7 +39,7 @@ def balanced(model: FactorModel) -> FactorModel:
     return model.reordered(order)
 
 
-def _white_shares(model) -> np.ndarray:
+def _white_shares(model: FactorModel) -> Array:
     """What each channel adds to a white surface under several lights, in units of CIEDE2000 -> (3 lights, p)."""
     rows = []
     for name in LIGHTS:
@@ -48,10 +49,10 @@ def _white_shares(model) -> np.ndarray:
     return np.concatenate(rows)
 
 
-def _swap(first: list, second: list, shares) -> bool:
+def _swap(first: list[int], second: list[int], shares: Array) -> bool:
     """Exchange the two channels whose exchange makes the noise of two passes least; whether one was exchanged."""
 
-    def noise(one, other):
+    def noise(one: list[int], other: list[int]) -> float:
         return sum(np.square(shares[:, group].sum(axis=1)).sum() for group in (one, other))
 
     best, choice = noise(first, second) * (1 - 1e-9), None

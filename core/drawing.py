@@ -3,6 +3,7 @@
 import numpy as np
 
 from . import library
+from .arrays import Array
 from .spaces import rgb_to_xyz, srgb_encoded
 from .spectrum import WAVELENGTHS, Spectrum
 
@@ -11,26 +12,26 @@ __all__ = ["circle", "curve", "icon", "plot", "ribbon", "swatch"]
 _OVERSAMPLING = 2
 
 
-def swatch(illuminant: Spectrum) -> np.ndarray:
+def swatch(illuminant: Spectrum) -> Array:
     """(3,) colour of a white under an illuminant, sRGB 0..1, as bright as the display shows it without clipping."""
     xyz = illuminant.sampled() @ library.observer()
     rgb = np.maximum(np.linalg.solve(rgb_to_xyz(), xyz), 0.0)
     return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
 
 
-def curve(spectrum: Spectrum) -> np.ndarray:
+def curve(spectrum: Spectrum) -> Array:
     """(81,) values of a spectrum on `WAVELENGTHS`, its highest 1."""
     values = np.maximum(spectrum.sampled(), 0.0)
     return values / values.max() if values.max() > 0.0 else values
 
 
-def _heights(values: np.ndarray, width: int) -> np.ndarray:
+def _heights(values: Array, width: int) -> Array:
     """(width,) heights of a curve; the highest of what falls into a column, so that no line is lost."""
     fine = np.linspace(0, len(values) - 1, 8 * width)
     return np.interp(fine, np.arange(len(values)), values).reshape(width, 8).max(axis=1)
 
 
-def _reduced(picture: np.ndarray) -> np.ndarray:
+def _reduced(picture: Array) -> Array:
     """Mean over squares of `_OVERSAMPLING` pixels."""
     height, width, channels = picture.shape
     return picture.reshape(
@@ -38,7 +39,7 @@ def _reduced(picture: np.ndarray) -> np.ndarray:
     ).mean(axis=(1, 3))
 
 
-def icon(values: np.ndarray, color: np.ndarray, size: int = 32) -> np.ndarray:
+def icon(values: Array, color: Array, size: int = 32) -> Array:
     """(size, size, 4) sRGB float32, lowest row first: the swatch `color` (3,), and over it the curve `values` (81,)."""
     fine = size * _OVERSAMPLING
     heights = 0.06 + 0.80 * _heights(np.asarray(values, float), fine)
@@ -50,7 +51,7 @@ def icon(values: np.ndarray, color: np.ndarray, size: int = 32) -> np.ndarray:
     return _reduced(picture).astype(np.float32)
 
 
-def plot(values: np.ndarray, width: int = 160, height: int = 160) -> np.ndarray:
+def plot(values: Array, width: int = 160, height: int = 160) -> Array:
     """(height, width, 4) sRGB float32, lowest row first: the area under a curve (81,) in the colours of its light."""
     fine = width * _OVERSAMPLING
     heights = _heights(np.asarray(values, float), fine)
@@ -61,7 +62,7 @@ def plot(values: np.ndarray, width: int = 160, height: int = 160) -> np.ndarray:
     return _reduced(picture).astype(np.float32)
 
 
-def ribbon(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def ribbon(values: Array) -> tuple[Array, Array]:
     """A strip of triangles that fills the area under a curve (n,): places (2n, 2) in 0..1 and colours (2n, 4)."""
     values = np.asarray(values, float)
     across = np.linspace(0.0, 1.0, len(values))
@@ -71,13 +72,13 @@ def ribbon(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return places, np.repeat(colors, 2, axis=0)
 
 
-def circle(count: int) -> np.ndarray:
+def circle(count: int) -> Array:
     """(count, 2) points of the unit circle."""
     angles = 2 * np.pi * np.arange(count) / count
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def _rainbow(wavelengths: np.ndarray) -> np.ndarray:
+def _rainbow(wavelengths: Array) -> Array:
     """(n, 3) sRGB that hints at the colour of each wavelength in nm; a drawing, not a measurement."""
     stops = [380, 420, 450, 485, 510, 550, 580, 610, 650, 780]
     colors = [

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ class Panel:
     up: str = ""
     title: str = ""
     log: str = ""
-    ticks: Sequence[float] = ()
+    ticks: ArrayLike = ()
 
 
 def available() -> bool:
@@ -42,14 +42,14 @@ def available() -> bool:
         return False  # colour-science has put a stand-in in its place
 
 
-def _page(columns: int, rows: int, size: tuple[float, float], **shared: bool) -> tuple["Figure", list["Axes"]]:
-    """A figure of columns × rows axes, drawn without a screen."""
+def _page(columns: int, rows: int, size: tuple[float, float], alike: bool = False) -> tuple["Figure", list["Axes"]]:
+    """A figure of columns × rows axes, drawn without a screen; with one upward scale if `alike`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    return figure, list(np.atleast_1d(figure.subplots(rows, columns, **shared)).ravel())
+    return figure, list(figure.subplots(rows, columns, sharey=alike, squeeze=False).ravel())
 
 
 def _page_of(pictures: Sequence[tuple[str, NDArray]], columns: int) -> tuple["Figure", list["Axes"]]:
@@ -112,7 +112,7 @@ def curves(path: Path, panels: Sequence[Panel], columns: int = 0) -> None:
     rows = -(-len(panels) // columns)
     size = (8, 5.5) if len(panels) == 1 else (_INCHES * columns, 4.5 * rows)
     alike = len({(panel.up, panel.log) for panel in panels}) == 1 and "y" in panels[0].log
-    figure, axes = _page(columns, rows, size, sharey=alike)
+    figure, axes = _page(columns, rows, size, alike)
     named: dict = {}
     for axis, panel in zip(axes, panels, strict=False):
         axis.set(xlabel=panel.across, ylabel="" if alike and axis is not axes[0] else panel.up, title=panel.title)
@@ -126,7 +126,7 @@ def curves(path: Path, panels: Sequence[Panel], columns: int = 0) -> None:
             if name:
                 named.setdefault(name, line)
         axis.grid(True, linewidth=0.4, alpha=0.5)
-        if len(panel.ticks):
+        if np.size(panel.ticks):
             axis.set_xticks(panel.ticks)
         _plain_numbers(axis)
     for axis in axes[len(panels) :]:

@@ -1,5 +1,6 @@
 """What one pixel of a coefficient image sends to the eye: its spectrum, its colour, and its difference to another."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,13 +23,12 @@ class Pixel:
     xyz: Array
 
 
-def inspect(model: FactorModel, mix: Mix, coefficients: ArrayLike) -> Pixel:
+def inspect(model: FactorModel, mix: Mix, coefficients: Sequence[ArrayLike]) -> Pixel:
     """The pixel of coefficients (groups, p) under the light of each group, before white balance.
 
     The spectrum is the smoothest that has these coefficients, times the illuminant; its colour is the relight
     matrices', as in the picture, and not that of the drawn curve.
     """
-    coefficients = np.asarray(coefficients, float)
     luminous = library.observer()[:, 1]
     spectrum = np.zeros(WAVELENGTHS.size)
     for light, each in zip(mix.lights.values(), coefficients, strict=True):

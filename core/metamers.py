@@ -3,15 +3,18 @@
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from . import library, relight
+from .arrays import Array
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["metamer", "metameric_black", "metamers"]
 
 
-def metameric_black(spectrum, illuminants, observer=library.OBSERVER):
+def metameric_black(spectrum: Array, illuminants: Sequence[Spectrum], observer: str = library.OBSERVER) -> Array:
     """The part of a spectrum (..., 81) that is invisible under every one of the `illuminants` (list of Spectrum).
 
     It is what remains after projection on the span of the weighted matching functions; it may be negative.
@@ -23,7 +26,9 @@ def metameric_black(spectrum, illuminants, observer=library.OBSERVER):
     return spectrum - spectrum @ visible @ visible.T
 
 
-def metamer(reflectance, direction, illuminants, amount=1.0):
+def metamer(
+    reflectance: Spectrum, direction: Spectrum, illuminants: Sequence[Spectrum], amount: float = 1.0
+) -> Spectrum:
     """A reflectance that matches `reflectance` under all `illuminants` -> Spectrum.
 
     direction: Spectrum whose metameric black is added, as much of it as keeps the result in 0..1, times `amount`.
@@ -44,12 +49,12 @@ def metamer(reflectance, direction, illuminants, amount=1.0):
     return Spectrum(WAVELENGTHS, base + amount * room * black, f"metamer of {reflectance.name}")
 
 
-def metamers(illuminant, count, seed=20040601):
+def metamers(illuminant: Spectrum, count: int, seed: int = 20040601) -> Array:
     """Pairs of reflectances (count, 2, 81) that match under `illuminant`, made of random CES, always the same."""
     random = np.random.default_rng(seed)
     samples = library.reflectances("ces")
     values = np.stack([sample.sampled() for sample in samples])
-    pairs = []
+    pairs: list[list[Array]] = []
     while len(pairs) < count:
         first, second, up, down = random.integers(len(values), size=4)
         if up == down:

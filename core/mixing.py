@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from . import library, relight
+from .arrays import Array
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["anchors", "blend", "gain", "gains", "handle", "stops", "weights"]
@@ -27,11 +28,11 @@ def stops(gain: float) -> float:
     return float(np.log2(gain))
 
 
-def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) -> np.ndarray:
+def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) -> Array:
     """(groups,) gains: where any group is solo only those sound; a mute one never does."""
-    solo, heard = np.asarray(solo, bool), ~np.asarray(mute, bool)
-    if solo.any():
-        heard = heard & solo
+    alone, heard = np.asarray(solo, bool), ~np.asarray(mute, bool)
+    if alone.any():
+        heard = heard & alone
     return np.where(heard, np.exp2(np.asarray(stops, float)), 0.0)
 
 
@@ -55,20 +56,20 @@ def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
     return Spectrum(WAVELENGTHS, power, " + ".join(shares), "illuminant", "blend")
 
 
-def anchors(count: int) -> np.ndarray:
+def anchors(count: int) -> Array:
     """(count, 2) places of the illuminants on the unit circle of the light dial, the first at the top, clockwise."""
     angles = np.pi / 2 - 2 * np.pi * np.arange(count) / count
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def handle(weights: Sequence[float]) -> np.ndarray:
+def handle(weights: Sequence[float]) -> Array:
     """(2,) where the handle of the dial stands for these weights: the mean of the anchors."""
-    weights = np.asarray(weights, float)
-    total = weights.sum()
-    return weights @ anchors(len(weights)) / total if total > 0.0 else np.zeros(2)
+    parts = np.asarray(weights, float)
+    total = parts.sum()
+    return parts @ anchors(len(parts)) / total if total > 0.0 else np.zeros(2)
 
 
-def weights(position: Sequence[float], count: int) -> np.ndarray:
+def weights(position: Sequence[float], count: int) -> Array:
     """(count,) weights, of sum 1, of the illuminants for a handle at `position` (2,); `handle` is the inverse.
 
     Wachspress coordinates of the polygon of the anchors: at an anchor its illuminant alone, on a side only those of its

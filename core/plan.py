@@ -12,6 +12,7 @@ from functools import cache
 import numpy as np
 
 from . import bases, measure
+from .arrays import Array
 from .factor_model import FactorModel
 from .rules import Fitted
 from .spaces import REC709, srgb_decoded
@@ -38,8 +39,8 @@ class Content:
     """
 
     reflectances: Sequence[Spectrum] = ()
-    colors: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
-    shares: np.ndarray | None = None
+    colors: Array = field(default_factory=lambda: np.empty((0, 3)))
+    shares: Array | None = None
     textures: float = 0.0
     lights: Sequence[Spectrum] = ()
     choices: Sequence[Spectrum] = ()
@@ -47,7 +48,7 @@ class Content:
     space: str = REC709
     disperses: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         colors = np.asarray(self.colors, dtype=np.float64).reshape(-1, 3)
         count = len(self.reflectances) + len(colors)
         shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
@@ -133,7 +134,7 @@ def choose(content: Content, tolerance: float = 1.0) -> Plan:
     """
     if not tolerance > 0:
         raise ValueError(f"the tolerance is {tolerance}: expected more than 0")
-    rejected = []
+    rejected: list[Candidate] = []
     for alternatives in _candidates(content):
         if content.disperses and max(model.channels for model in alternatives) < SPECTRUM:
             continue
@@ -153,7 +154,7 @@ def predict(model: FactorModel, content: Content) -> tuple[float, str]:
     errors = {"its own lights": _difference(model, truth, found, true, content.lights, pixels.mixture)}
     for light in content.choices:
         errors[light.name] = _difference(model, truth, found, true, [light], np.ones((PIXELS, 1)))
-    worst = max(errors, key=errors.get)
+    worst = max(errors, key=lambda name: errors[name])
     return errors[worst], worst
 
 
@@ -214,8 +215,8 @@ class _Pixels:
     def __init__(self, content: Content):
         random = np.random.default_rng(SEED)
         self.content = content
-        shares = np.append(content.shares, content.textures)
-        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(content.shares)), 1.0)
+        shares = np.append(np.asarray(content.shares), content.textures)
+        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(shares) - 1), 1.0)
         orders = 1 + min(content.bounces, ORDERS)
         # Evenly spread over the surfaces that the camera sees; light comes from any surface
         seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
@@ -229,7 +230,7 @@ class _Pixels:
             self.orders[0] = random.uniform(0.0, 1.0, PIXELS)  # lamps, which may be hidden
         self.mixture = random.dirichlet(np.ones(len(content.lights)), PIXELS)
 
-    def coefficients(self, model: FactorModel) -> np.ndarray:
+    def coefficients(self, model: FactorModel) -> Array:
         """(pixels, p): what a renderer makes of the pixels with this model."""
         content, to_coefficients = self.content, rgb_matrix(model, self.content.space)
         measured = np.empty((0, model.channels))
@@ -242,7 +243,9 @@ class _Pixels:
         return np.einsum("kn,knp->np", self.orders, np.cumprod(factors, axis=0))
 
 
-def _difference(model, truth, found, true, lights, mixture) -> float:
+def _difference(
+    model: FactorModel, truth: FactorModel, found: Array, true: Array, lights: Sequence[Spectrum], mixture: Array
+) -> float:
     """98th percentile of CIEDE2000 between coefficients (pixels, p) of two models under a mixture of lights."""
     matrices, exact = (np.array([m.relight(light) for light in lights]) for m in (model, truth))
     xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
@@ -250,5 +253,5 @@ def _difference(model, truth, found, true, lights, mixture) -> float:
     return float(np.percentile(measure.picture_delta_E(xyz, true_xyz, white), 98))
 
 
-def _unit(power):
+def _unit(power: Array) -> Array:
     return power / power.max()

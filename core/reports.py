@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
+from typing import Any
 
 from . import files, library
 from .errors import RelumeError
@@ -59,7 +60,7 @@ def survive_closed_output(command: Callable[..., int]) -> Callable[..., int]:
     """Decorate a command: when what reads its output goes away, as `head` does, it ends without a word."""
 
     @wraps(command)
-    def wrapped(*arguments) -> int:
+    def wrapped(*arguments: Any) -> int:
         try:
             return command(*arguments)
         except BrokenPipeError:

@@ -138,4 +138,6 @@ class Diagonal(Rule):
         return None
 
 
-RULES: dict[str, type[Rule]] = {rule.kind: rule for rule in (Fitted, Reconstructed, Diagonal)}
+RULES: dict[str, type[Fitted] | type[Reconstructed] | type[Diagonal]] = {
+    rule.kind: rule for rule in (Fitted, Reconstructed, Diagonal)
+}

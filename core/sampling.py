@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .arrays import Array
 from .factor_model import FactorModel
 from .mix import Light
 
@@ -56,7 +57,7 @@ def dealt(parts: Sequence[float], first: int, count: int) -> Sampling:
     )
 
 
-def shares(model: FactorModel, lights: Sequence[Light]) -> np.ndarray:
+def shares(model: FactorModel, lights: Sequence[Light]) -> Array:
     """Part of all samples that each pass is to have (passes,): half of it even, half by luminance under `lights`.
 
     The variance of luminance, sum of y_k^2 / n_k over passes that add y_k with n_k samples, is least for n_k in

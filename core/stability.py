@@ -12,7 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from . import bases, experiments, figures, hazards, library, measure, reports
-from .hazards import outcome, told
+from .arrays import Array
+from .factor_model import FactorModel
+from .hazards import in_words, outcome
 from .relight import power_weights
 from .spectrum import Spectrum
 
@@ -21,7 +23,7 @@ __all__ = ["main"]
 CHANNELS = (3, 6, 9, 12, 15, 18, 21)
 
 
-def models(channels):
+def models(channels: int) -> dict[str, FactorModel | str]:
     """{name: FactorModel, or the words with which it is refused}, for every family of models that takes a number p."""
     makers = {
         "fitted": lambda: bases.fitted(channels),
@@ -32,18 +34,18 @@ def models(channels):
     return {name: outcome(make) for name, make in makers.items()}
 
 
-def stretched(reflectances, albedo=0.99):
+def stretched(reflectances: Array, albedo: float = 0.99) -> Array:
     """Reflectances (m, 81) scaled so that each reaches `albedo`."""
     return reflectances * (albedo / reflectances.max(axis=1, keepdims=True))
 
 
-def exposed_difference(xyz, truth, white):
+def exposed_difference(xyz: Array, truth: Array, white: Array) -> Array:
     """CIEDE2000 with both exposed so that the truth has half the luminance of white."""
     exposure = 0.5 * white[1] / truth[..., 1:2]
     return measure.delta_E_2000(truth * exposure, xyz * exposure, white)
 
 
-def conditioning():
+def conditioning() -> reports.Section:
     """Condition numbers, and how much a matrix amplifies errors of coefficients."""
     lights = [library.illuminant(name) for family in library.cie_illuminants().values() for name in family]
     rows, gains = [], defaultdict(list)
@@ -70,7 +72,7 @@ def conditioning():
         )
     return reports.Section(
         "Conditioning",
-        told(
+        in_words(
             "Relight matrices of `fitted` are fitted, so the condition of F^T F does not enter them; those of the "
             "published models pass through a pseudo-inverse, where it does. The gain is the length of the matrix's Y "
             "row: what 1 % of independent noise in every coefficient of a white becomes, in percent of Y, median and "
@@ -85,7 +87,7 @@ def conditioning():
     )
 
 
-def high_albedo(reflectances):
+def high_albedo(reflectances: Array) -> reports.Section:
     """Albedo 0.99 over many bounces."""
     light = library.illuminant("D65")
     weights = power_weights(light.sampled(), library.observer())
@@ -112,7 +114,7 @@ def high_albedo(reflectances):
         rows.append(row)
     return reports.Section(
         "Albedo 0.99",
-        told(
+        in_words(
             "Reflectances stretched to a peak of 0.99: the sum of 50 bounces and of infinitely many, D65, exposed to "
             "half of white; CIEDE2000, median / 90th percentile. A flat 0.99 is exact (relative error).",
             f"Filters that are nowhere negative keep coefficients at or below 0.99 ({highest:.4f} is the highest of "
@@ -124,27 +126,27 @@ def high_albedo(reflectances):
     )
 
 
-def half_floats(reflectances):
+def half_floats(reflectances: Array) -> reports.Section:
     """Coefficients kept in half precision, as an EXR may."""
-    rows, worst_at = [], defaultdict(float)
+    rows, worst_at = [], dict.fromkeys((1.0, 1e-2, 1e-4, 1e-6), 0.0)
     lights = [library.illuminant(name) for name in ("A", "D65", "FL11", "LED-B3")]
     for p in hazards.CHANNELS:
         model = bases.fitted(p)
         coefficients = model.coefficients(reflectances)
-        row = [p]
-        for exposure in (1.0, 1e-2, 1e-4, 1e-6):
+        row = [str(p)]
+        for exposure in worst_at:
             stored = (coefficients * exposure).astype(np.float16).astype(np.float64) / exposure
             worst = 0.0
             for light in lights:
                 matrix = model.relight(light)
-                pair = (c @ matrix.T for c in (coefficients, stored))
-                worst = max(worst, float(measure.delta_E_2000(*pair, matrix.sum(axis=1)).max()))
+                true, seen = (c @ matrix.T for c in (coefficients, stored))
+                worst = max(worst, float(measure.delta_E_2000(true, seen, matrix.sum(axis=1)).max()))
             worst_at[exposure] = max(worst_at[exposure], worst)
             row.append(f"{worst:.3f}")
         rows.append(row)
     return reports.Section(
         "Half-precision coefficients",
-        told(
+        in_words(
             "Largest CIEDE2000 under A, D65, FL11 and LED-B3 when the coefficients of the reflectances were rounded to "
             "half floats, with white at 1, 0.01, 0.0001 and 0.000001 of the file's unit and the picture exposed back. "
             "Above 65504 a half is infinite, and such a file is refused by name (`core.coefficients`).",
@@ -156,7 +158,7 @@ def half_floats(reflectances):
     )
 
 
-def clamps():
+def clamps() -> reports.Section:
     """What is clamped, where, and why."""
     return reports.Section(
         "What is clamped",

@@ -53,7 +53,7 @@ The printed rows are of the 170 reflectances of Vrhel, Gershon and Iwan: give th
 """
 
 
-def bounce_sections(reflectances, lights):
+def bounce_sections(reflectances: list[Spectrum], lights: list[Spectrum]) -> Iterator[reports.Section]:
     """Tables 1 to 3, by either rule of accumulation, and what they say."""
     differences = {}
     for rule, suffix in RULES.items():
@@ -75,7 +75,7 @@ def bounce_sections(reflectances, lights):
     yield _findings(differences["paper"])
 
 
-def _findings(medians):
+def _findings(medians: dict[int, dict[str, float]]) -> reports.Section:
     """Where the claims of [DF] hold and where not, from {p: {method: median difference over all bounces}}."""
     rows = []
     for p, by_method in medians.items():
@@ -101,7 +101,7 @@ def _findings(medians):
     )
 
 
-def three_bounce_section():
+def three_bounce_section() -> reports.Section:
     """[DF] section 3.D."""
     rows = []
     for p in CHANNELS:
@@ -117,7 +117,7 @@ def three_bounce_section():
     )
 
 
-def metamer_sections():
+def metamer_sections() -> Iterator[reports.Section]:
     """Tables 4 and 5, on metamers constructed here."""
     for number, matched, others in ((4, "D65", ("A", "FL11")), (5, "A", ("D65", "FL2"))):
         pairs = metamers.metamers(library.illuminant(matched), PAIRS)
