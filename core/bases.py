@@ -35,6 +35,9 @@ def prefiltered(illuminant: Spectrum, space: str = "sharp", name: str | None = N
     """Colours under a dominant `illuminant`, exact for it after one bounce, diagonal for others [WE].
 
     space: "sharp", "srgb" or "xyz". Filters may be negative. Raises ModelError.
+
+    >>> prefiltered(library.illuminant("A")).label
+    'one light, prefiltered sharp RGB'
     """
     if space not in SPACES:
         raise ModelError(f"no space {space!r} for prefiltering: choose {', '.join(SPACES)}")
@@ -80,6 +83,10 @@ def fitted(channels: int = 9) -> FactorModel:
 
     Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
     weighted by the colour matching functions.
+
+    >>> model = fitted(9)
+    >>> model.passes, model.filters.shape
+    (3, (81, 9))
     """
     _check_channels(channels)
     shipped = filter_files.read_filters()

@@ -81,16 +81,7 @@ def circle(count: int) -> Array:
 def _rainbow(wavelengths: Array) -> Array:
     """(n, 3) sRGB that hints at the colour of each wavelength in nm; a drawing, not a measurement."""
     stops = [380, 420, 450, 485, 510, 550, 580, 610, 650, 780]
-    colors = [
-        (0.30, 0.05, 0.40),
-        (0.38, 0.10, 0.75),
-        (0.15, 0.25, 0.95),
-        (0.05, 0.70, 0.90),
-        (0.10, 0.80, 0.40),
-        (0.55, 0.85, 0.10),
-        (0.95, 0.85, 0.10),
-        (0.98, 0.50, 0.08),
-        (0.90, 0.12, 0.08),
-        (0.40, 0.02, 0.05),
-    ]
-    return np.stack([np.interp(wavelengths, stops, column) for column in np.array(colors).T], axis=1)
+    red = [0.30, 0.38, 0.15, 0.05, 0.10, 0.55, 0.95, 0.98, 0.90, 0.40]
+    green = [0.05, 0.10, 0.25, 0.70, 0.80, 0.85, 0.85, 0.50, 0.12, 0.02]
+    blue = [0.40, 0.75, 0.95, 0.90, 0.40, 0.10, 0.10, 0.08, 0.08, 0.05]
+    return np.stack([np.interp(wavelengths, stops, column) for column in (red, green, blue)], axis=1)

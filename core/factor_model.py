@@ -46,8 +46,9 @@ class FactorModel:
         try:
             for field in ("wavelengths", "filters"):
                 object.__setattr__(self, field, numbers(getattr(self, field), field))
-            self._check()
-            self.rule.check(self)
+            with np.errstate(all="ignore"):
+                self._check()
+                self.rule.check(self)
         except ModelError as error:
             raise ModelError(f"model {self.name[:60]!r}: {error}") from None
 
@@ -55,14 +56,13 @@ class FactorModel:
         count = self.wavelengths.size
         if self.wavelengths.ndim != 1 or not 0 < count <= MOST_WAVELENGTHS:
             raise ModelError(f"wavelengths must be a list of 1 to {MOST_WAVELENGTHS}")
-        with np.errstate(over="ignore"):
-            steps = np.diff(self.wavelengths)
-            if not (steps > 0).all() or not np.allclose(steps, steps[:1], rtol=1e-6):
-                raise ModelError("wavelengths must increase in equal steps")
-            if self.filters.ndim != 2 or len(self.filters) != count or not 0 < self.channels <= MOST_WAVELENGTHS:
-                raise ModelError(f"filters {self.filters.shape} do not fit {count} wavelengths")
-            if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
-                raise ModelError("every filter must sum to 1")
+        steps = np.diff(self.wavelengths)
+        if not (steps > 0).all() or not np.allclose(steps, steps[:1], rtol=1e-6):
+            raise ModelError("wavelengths must increase in equal steps")
+        if self.filters.ndim != 2 or len(self.filters) != count or not 0 < self.channels <= MOST_WAVELENGTHS:
+            raise ModelError(f"filters {self.filters.shape} do not fit {count} wavelengths")
+        if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
+            raise ModelError("every filter must sum to 1")
 
     @property
     def channels(self) -> int:
@@ -93,6 +93,10 @@ class FactorModel:
         """Coefficients of a Spectrum (p,), of a list of them (m, p), or of an array (..., n) on `wavelengths` (..., p).
 
         Raises SpectrumError.
+
+        >>> from relume.core import bases
+        >>> bases.fitted(6).coefficients(np.full(81, 0.5))
+        array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5])
         """
         return self._sampled(spectra) @ self.filters
 
@@ -117,6 +121,11 @@ class FactorModel:
 
         observer: the name of an observer or camera that `library.sensitivities` knows, or sensitivities, (n, 3) or
         three Spectrum, the second of which takes Y's place. Raises SpectrumError, library.LibraryError.
+
+        >>> from relume.core import bases
+        >>> white = bases.fitted(9).relight(library.illuminant("A")) @ np.ones(9)
+        >>> white.round(2)
+        array([1.1 , 1.  , 0.36])
         """
         return self.rule.matrix(self, relight.power_weights(self._sampled(illuminant), self._observer(observer)))
 

@@ -15,30 +15,8 @@ DECIMALS = 7
 
 # nm; the 36 of the 81 wavelengths between which the training set interpolates best under the CIE illuminants: 5 nm
 # apart where the eye and the lines of lamps need it, found by dropping the least important one at a time.
-REFERENCE: tuple[int, ...] = (
-    390,
-    405,
-    420,
-    435,
-    445,
-    450,
-    460,
-    465,
-    475,
-    490,
-    505,
-    510,
-    520,
-    530,
-    535,
-    540,
-    545,
-    550,
-    555,
-    560,
-    565,
-)
-REFERENCE += (570, 575, 580, 585, 590, 595, 600, 605, 610, 615, 630, 645, 655, 675, 720)
+_TO_GREEN = (390, 405, 420, 435, 445, 450, 460, 465, 475, 490, 505, 510, 520, 530, 535, 540, 545, 550, 555, 560, 565)
+REFERENCE = (*_TO_GREEN, 570, 575, 580, 585, 590, 595, 600, 605, 610, 615, 630, 645, 655, 675, 720)
 
 
 def start_filters(channels: int, random: np.random.Generator | None = None, total: Array | None = None) -> Array:

@@ -13,7 +13,11 @@ COSINES = (np.arange(24) + 0.5) / 24
 
 
 def reflectance(n: ArrayLike, k: ArrayLike, cosine: ArrayLike) -> Array:
-    """Unpolarised Fresnel reflectance of a conductor in air; arrays broadcast, cosine in 0..1 -> 0..1."""
+    """Unpolarised Fresnel reflectance of a conductor in air; arrays broadcast, cosine in 0..1 -> 0..1.
+
+    >>> round(float(reflectance(0.27, 2.95, 1.0)), 2)  # gold in red light, head on
+    0.9
+    """
     n, k, cosine = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (n, k, cosine)))
     squared = cosine**2
     sine = 1 - squared

@@ -8,13 +8,12 @@ import numpy as np
 
 from . import bases, experiments, library, measure, metamers, reports
 from .arrays import Array
-from .factor_model import ModelError
+from .errors import RelumeError
 from .relight import power_weights
-from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
+from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = [
     "CHANNELS",
-    "REFUSALS",
     "extreme_values",
     "in_words",
     "low_rank",
@@ -25,7 +24,6 @@ __all__ = [
 ]
 
 CHANNELS = (3, 6, 9, 12, 15)
-REFUSALS = (SpectrumError, ModelError, measure.MeasureError, library.LibraryError)
 # Air wavelengths in nm and rough relative strengths of the lines of a low-pressure mercury lamp.
 MERCURY = {404.66: 0.4, 435.83: 1.0, 546.07: 0.9, 576.96: 0.2, 579.07: 0.2}
 SODIUM = {588.995: 2.0, 589.592: 1.0}
@@ -36,7 +34,7 @@ def outcome(function: Callable[..., Any], *arguments: Any) -> Any:
     """What a function returns, or the refusal as "Error: message"; any other exception is a fault and goes on."""
     try:
         return function(*arguments)
-    except REFUSALS as error:
+    except RelumeError as error:
         return f"{type(error).__name__}: {error}"
 
 

@@ -11,8 +11,8 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arrays import Array
 from .errors import LibraryError
 from .spectrum import WAVELENGTHS, Spectrum
 
@@ -81,18 +81,9 @@ CONDUCTORS = {
     "Zinc": ("Zn", "Werner"),
 }
 CONDUCTOR_ALIASES = {"24-carat gold": "Gold", "Aluminum": "Aluminium", "Chrome": "Chromium"}
-GLASSES = {
-    "BK7": ("popular_glass", "BK7", "SCHOTT"),
-    "BAF10": ("popular_glass", "BAF10", "SCHOTT"),
-    "BAK1": ("popular_glass", "BAK1", "SCHOTT"),
-    "FK51A": ("popular_glass", "FK51A", "SCHOTT"),
-    "LASF9": ("popular_glass", "LASF9", "SCHOTT"),
-    "SF5": ("popular_glass", "SF5", "SCHOTT"),
-    "SF10": ("popular_glass", "SF10", "SCHOTT"),
-    "SF11": ("popular_glass", "SF11", "SCHOTT"),
-    "Diamond": ("main", "C", "Phillip"),
-    "Water": ("main", "H2O", "Hale"),
-}
+_SCHOTT = ("BK7", "BAF10", "BAK1", "FK51A", "LASF9", "SF5", "SF10", "SF11")
+GLASSES = {name: ("popular_glass", name, "SCHOTT") for name in _SCHOTT}
+GLASSES |= {"Diamond": ("main", "C", "Phillip"), "Water": ("main", "H2O", "Hale")}
 
 
 def _key(name: str) -> str:
@@ -157,6 +148,11 @@ def illuminant(name: str) -> Spectrum:
 
     Besides the names of `illuminants()`: "Planckian 2856 K" (a black body, 500 to 100000 K), "D 6500 K" (CIE daylight,
     4000 to 25000 K) and "589 nm" (a single line). Raises LibraryError.
+
+    >>> illuminant("sodium").name
+    'Sodium (low pressure)'
+    >>> illuminant("D 6500 K").values.shape
+    (107,)
     """
     temperature = re.fullmatch(r"\s*(planckian|black\s?body|d)\s*(\d+(?:\.\d+)?)\s*k\s*", str(name), re.IGNORECASE)
     if temperature:
@@ -172,7 +168,11 @@ def illuminant(name: str) -> Spectrum:
 
 
 def line(wavelength: float) -> Spectrum:
-    """A single spectral line at `wavelength` nm. Raises LibraryError outside 380..780 nm."""
+    """A single spectral line at `wavelength` nm. Raises LibraryError outside 380..780 nm.
+
+    >>> line(589).sampled().nonzero()[0]  # 585 and 590 nm
+    array([41, 42])
+    """
     if not WAVELENGTHS[0] <= wavelength <= WAVELENGTHS[-1]:
         raise LibraryError(f"a line at {wavelength:g} nm cannot be seen: give 380 to 780 nm")
     return Spectrum(np.array([wavelength]), np.ones(1), f"{wavelength:g} nm", "illuminant", "line")
@@ -319,7 +319,7 @@ def observers() -> list[str]:
 
 
 @cache
-def observer(name: str = OBSERVER) -> NDArray[np.float64]:
+def observer(name: str = OBSERVER) -> Array:
     """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
     from colour import MSDS_CMFS
 
@@ -328,15 +328,19 @@ def observer(name: str = OBSERVER) -> NDArray[np.float64]:
 
 
 @cache
-def camera(name: str) -> NDArray[np.float64]:
+def camera(name: str) -> Array:
     """Spectral sensitivities of a camera, red, green, blue -> (81, 3) on WAVELENGTHS. Raises LibraryError."""
     from colour import MSDS_CAMERA_SENSITIVITIES
 
     return _tabulated(MSDS_CAMERA_SENSITIVITIES[_find(name, MSDS_CAMERA_SENSITIVITIES, "camera")])
 
 
-def sensitivities(name: str) -> NDArray[np.float64]:
-    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
+def sensitivities(name: str) -> Array:
+    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError.
+
+    >>> sensitivities("CIE 1964 10").shape
+    (81, 3)
+    """
     from colour import MSDS_CAMERA_SENSITIVITIES
 
     known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *MSDS_CAMERA_SENSITIVITIES], "observer or camera")
@@ -345,7 +349,7 @@ def sensitivities(name: str) -> NDArray[np.float64]:
     return observer(next(short for short, full in OBSERVERS.items() if known in (short, full)))
 
 
-def _tabulated(functions: Any) -> NDArray[np.float64]:
+def _tabulated(functions: Any) -> Array:
     sensitivities = np.asarray(functions.values).T
     columns = [Spectrum(functions.wavelengths, values, kind="sensitivity").sampled() for values in sensitivities]
     table = np.stack(columns, axis=1)

@@ -41,7 +41,12 @@ def delta_E_1994(xyz_a: ArrayLike, xyz_b: ArrayLike, white: ArrayLike) -> Array:
 
 
 def delta_E_2000(xyz_a: ArrayLike, xyz_b: ArrayLike, white: ArrayLike) -> Array:
-    """CIEDE2000 between XYZ arrays (..., 3) seen under `white` (3,) -> (...). (CIE 142; Sharma, Wu, Dalal 2005)."""
+    """CIEDE2000 between XYZ arrays (..., 3) seen under `white` (3,) -> (...). (CIE 142; Sharma, Wu, Dalal 2005).
+
+    >>> white = np.array([0.95, 1.0, 1.09])
+    >>> round(float(delta_E_2000(0.50 * white, 0.51 * white, white)), 2)
+    0.44
+    """
     lab_a, lab_b = lab(xyz_a, white), lab(xyz_b, white)
     mean_chroma = (np.hypot(*_ab(lab_a)) + np.hypot(*_ab(lab_b))) / 2
     stretch = 1 + 0.5 * (1 - np.sqrt(mean_chroma**7 / (mean_chroma**7 + 25.0**7)))

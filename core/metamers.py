@@ -33,6 +33,15 @@ def metamer(
 
     direction: Spectrum whose metameric black is added, as much of it as keeps the result in 0..1, times `amount`.
     Raises SpectrumError where nothing of it can be added.
+
+    >>> daylight, tungsten = library.illuminant("D65"), library.illuminant("A")
+    >>> grey = Spectrum(WAVELENGTHS, np.full(81, 0.5))
+    >>> other = metamer(grey, library.reflectance("ColorChecker: red"), [daylight])
+    >>> for light in (daylight, tungsten):
+    ...     seen = relight.power_weights(light.sampled(), library.observer())
+    ...     print(np.allclose(grey.sampled() @ seen, other.sampled() @ seen))
+    True
+    False
     """
     base = reflectance.sampled()
     black = metameric_black(direction.sampled(), illuminants)
@@ -60,7 +69,7 @@ def metamers(illuminant: Spectrum, count: int, seed: int = 20040601) -> Array:
         if up == down:
             continue
         base = Spectrum(WAVELENGTHS, 0.1 + 0.4 * (values[first] + values[second]))
-        direction = Spectrum(WAVELENGTHS, values[up] - values[down])
+        direction = Spectrum(WAVELENGTHS, values[up] - values[down], kind="sensitivity")  # of either sign
         other = metamer(base, direction, [illuminant], amount=0.95)
         pairs.append([base.values, other.values])
     return np.array(pairs)

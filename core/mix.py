@@ -3,19 +3,29 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from .errors import UsageError
 from .library import OBSERVER
 from .spaces import REC709
 from .spectrum import Spectrum
 
-__all__ = ["Light", "Mix"]
+__all__ = ["GAINS", "Light", "Mix"]
+
+GAINS = (0.0, 1e6)
 
 
 @dataclass(frozen=True)
 class Light:
-    """What shines in one light group: an illuminant and a gain (1 keeps the luminance the artist lit with)."""
+    """What shines in one light group: an illuminant and a gain (1 keeps the luminance the artist lit with).
+
+    Raises UsageError for a gain outside `GAINS`.
+    """
 
     illuminant: Spectrum
     gain: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not GAINS[0] <= self.gain <= GAINS[1]:  # nan is in no range
+            raise UsageError(f"gain {self.gain:g} is not a number from {GAINS[0]:g} to {GAINS[1]:.0f}")
 
 
 @dataclass(frozen=True)

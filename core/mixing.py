@@ -17,7 +17,11 @@ __all__ = ["anchors", "blend", "gain", "gains", "handle", "stops", "weights"]
 
 
 def gain(stops: float) -> float:
-    """The multiple of brightness that a number of stops stands for."""
+    """The multiple of brightness that a number of stops stands for.
+
+    >>> gain(-1)
+    0.5
+    """
     return 2.0**stops
 
 
@@ -29,7 +33,11 @@ def stops(gain: float) -> float:
 
 
 def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) -> Array:
-    """(groups,) gains: where any group is solo only those sound; a mute one never does."""
+    """(groups,) gains: where any group is solo only those sound; a mute one never does.
+
+    >>> gains([1, 0, 0], solo=[True, True, False], mute=[False, True, False])
+    array([2., 0., 0.])
+    """
     alone, heard = np.asarray(solo, bool), ~np.asarray(mute, bool)
     if alone.any():
         heard = heard & alone
@@ -75,6 +83,9 @@ def weights(position: Sequence[float], count: int) -> Array:
     Wachspress coordinates of the polygon of the anchors: at an anchor its illuminant alone, on a side only those of its
     two ends. A handle outside the polygon is taken to its border. (E. L. Wachspress, "A rational finite element basis",
     1975; for a regular polygon.)
+
+    >>> weights((0, 1), 4)
+    array([1., 0., 0., 0.])
     """
     if count < 1:
         raise ValueError("the light dial needs at least one illuminant")

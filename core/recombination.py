@@ -15,6 +15,7 @@ import numpy as np
 
 from . import library
 from .arrays import Array, ArrayLike
+from .errors import ModelError
 from .factor_model import FactorModel
 from .library import OBSERVER
 from .mix import Mix
@@ -115,7 +116,7 @@ def _balanced(model: FactorModel, mix: Mix) -> Array:
         return to_rgb
     white = mixed_white(model, mix) if mix.white is None else np.asarray(mix.white)
     if not white[1] > 0.0:
-        raise ValueError("white balance: what is to be white is dark; pick another pixel or group")
+        raise ModelError("white balance: what is to be white is dark; pick another pixel or group")
     return to_rgb @ adaptation(white, display_white, mix.white_balance, mix.method)
 
 
@@ -123,6 +124,12 @@ def recombination_matrices(model: FactorModel, mix: Mix) -> Array:
     """(groups, 3, p) matrices: the picture is the sum over light groups of `matrix @ coefficients`.
 
     Gain, relight matrix, white balance and working space are folded together; nothing is clamped.
+
+    >>> from relume.core import bases
+    >>> from relume.core.mix import Light
+    >>> warm = Mix({"key": Light(library.illuminant("A"), gain=2.0)}, white_balance=1.0)
+    >>> recombination_matrices(bases.fitted(9), warm).sum(axis=(0, 2)).round(6)  # of a white surface
+    array([2., 2., 2.])
     """
     to_rgb = _balanced(model, mix)
     lights = mix.lights.values()

@@ -35,6 +35,9 @@ def power_weights(illuminant: ArrayLike, cmfs: Array) -> Array:
     """Illuminant (n,) times matching functions (n, 3), scaled so that a perfect white has Y = 1 -> (n, 3).
 
     Raises SpectrumError for an illuminant with no visible power.
+
+    >>> power_weights(np.ones(3), np.eye(3)).sum(axis=0)
+    array([1., 1., 1.])
     """
     illuminant = np.asarray(illuminant, dtype=np.float64)
     peak = np.abs(illuminant).max(initial=0)

@@ -46,6 +46,9 @@ def dealt(parts: Sequence[float], first: int, count: int) -> Sampling:
     """The `count` samples of one sequence from the sample `first` on, dealt out to the passes by their `parts` of 1.
 
     Every pass has at least one sample, so that there may be more than `count` in all.
+
+    >>> dealt([0.5, 0.25, 0.25], first=0, count=8).driven
+    {'sample_offset': (0, 4, 6), 'sample_subset_length': (4, 2, 2)}
     """
     ends = np.rint(np.cumsum(parts) * count).astype(int)
     counts = np.maximum(np.diff(ends, prepend=0), 1)

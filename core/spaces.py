@@ -86,7 +86,7 @@ def adaptation(source: ArrayLike, target: ArrayLike, degree: float = 1.0, method
     """(3, 3) chromatic adaptation in XYZ from the white `source` (3,) to `target` (3,), both of any luminance.
 
     `degree` is 0 for none, 1 for complete; between the two the white is moved in proportion (CIECAM02's D).
-    Luminance of the white is kept. Raises ValueError for a white that the method cannot balance (a cone response of
+    Luminance of the white is kept. Raises ModelError for a white that the method cannot balance (a cone response of
     zero or less), for a degree outside 0..1 and for an unknown method.
 
     >>> warm = np.array([1.1, 1.0, 0.36])
@@ -94,16 +94,16 @@ def adaptation(source: ArrayLike, target: ArrayLike, degree: float = 1.0, method
     True
     """
     if method not in ADAPTATIONS:
-        raise ValueError(f"unknown white balance method {method!r}: expected one of {', '.join(ADAPTATIONS)}")
+        raise ModelError(f"unknown white balance method {method!r}: expected one of {', '.join(ADAPTATIONS)}")
     if not 0.0 <= degree <= 1.0:
-        raise ValueError(f"degree of white balance is {degree}: expected 0 (none) to 1 (complete)")
+        raise ModelError(f"degree of white balance is {degree}: expected 0 (none) to 1 (complete)")
     if degree == 0.0:
         return np.eye(3)
     cone = ADAPTATIONS[method]
     source, target = np.asarray(source, float), np.asarray(target, float)
     from_white, to_white = cone @ (source / source[1]), cone @ (target / target[1])
     if np.any(from_white <= 0.0):
-        raise ValueError("white balance: this light has no response in one of the eye's channels; use less than full")
+        raise ModelError("white balance: this light has no response in one of the eye's channels; use less than full")
     gains = degree * to_white / from_white + (1.0 - degree)
     matrix = np.linalg.inv(cone) @ np.diag(gains) @ cone
     return matrix / (matrix @ source)[1] * source[1]

@@ -20,6 +20,12 @@ def rgb_matrix(model: FactorModel, space: str = REC709) -> Array:
     change that makes the round trip exact with coefficients in 0..1 for colours inside Rec.709. Colours outside
     Rec.709, whichever space they come in, may get coefficients outside 0..1. Below 4 channels exactness decides; below
     3 only luminance comes back.
+
+    >>> from relume.core import bases
+    >>> model = bases.fitted(9)
+    >>> shown = model.relight(library.illuminant("D65")) @ rgb_matrix(model) @ [0.8, 0.1, 0.1]
+    >>> np.allclose(shown, rgb_to_xyz() @ [0.8, 0.1, 0.1])
+    True
     """
     basic = _rec709_matrix(model)
     if space == REC709:
