@@ -21,7 +21,7 @@ from .training import Training
 __all__ = ["FactorModel", "ModelError", "Observer", "Spectra"]
 
 REFERENCE_CHANNELS = 33  # the fewest that make a reference
-MOST_WAVELENGTHS = 5000  # of a model in a file: a matrix of so many squared is the most that is made of it
+MOST_WAVELENGTHS = 5000  # of a model in a file: the largest array made of it has so many squared
 
 Spectra = Spectrum | Sequence[Spectrum] | ArrayLike
 Observer = str | Sequence[Spectrum] | Array

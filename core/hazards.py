@@ -31,7 +31,7 @@ LASERS = (405, 450, 532, 589, 650)
 
 
 def outcome(function: Callable[..., Any], *arguments: Any) -> Any:
-    """What a function returns, or the refusal as "Error: message"; any other exception is a fault and goes on."""
+    """What a function returns, or the refusal as "Error: message"; any other exception is a fault and is raised."""
     try:
         return function(*arguments)
     except RelumeError as error:

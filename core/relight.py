@@ -28,7 +28,7 @@ __all__ = [
 
 RIDGE = 1e-8  # relative to each unknown's own scale; 1e-3 already raises the error two- to fivefold
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # where entry (a, b) stands in PAIRS
+SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # the place of entry (a, b) in PAIRS
 
 
 def power_weights(illuminant: ArrayLike, cmfs: Array) -> Array:

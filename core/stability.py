@@ -1,7 +1,7 @@
 """What every model does with difficult input: `relume stability`.
 
-Each section tells what happens, its bound, and where the limit is physical. Nothing may come back as NaN, nothing is
-clamped unsaid, and what cannot be done is refused by a named error.
+Each section says what happens, its bound, and where the limit is physical. Nothing may come back as NaN, nothing is
+clamped without a word, and what cannot be done is refused by a named error.
 """
 
 import sys

@@ -43,7 +43,7 @@ Reflectances: {{reflectances}}. What the paper does not say, or this project doe
 
 - Lights {", ".join(LIGHTS)}, from {experiments.PAPER_LIMITS[0]} to {experiments.PAPER_LIMITS[1]} nm.
 - Bounces accumulate as a <- a (1 + S): so does the printed row of multiplied XYZ. What light between two surfaces does,
-  S1 + S1 S2 + S1 S2 S3 + ..., stands in tables of its own.
+  S1 + S1 S2 + S1 S2 S3 + ..., has tables of its own.
 - Table 2 is the 90th percentile over trials of the median over lights.
 - Intervals are of equal width; the paper gives its own, for p = 5 only.
 - Eq. 12 leaves the least energy outside its interval for unit area inside. With the least area outside instead, the
