@@ -7,7 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import bases, coefficients, figures, library, measure, view
+from ..core import bases, coefficients, figures, library, measure, spaces
+from ..core.mix import Light
 from . import denoise, jobs, properties, render, setup
 
 __all__ = ["run"]
@@ -34,10 +35,10 @@ class _Take:
     image: coefficients.CoefficientImage
     seconds: float
 
-    def lights(self, lighting: str) -> dict[str, view.Light]:
+    def lights(self, lighting: str) -> dict[str, Light]:
         chosen = _LIGHTINGS[lighting]
         return {
-            group: view.Light(library.illuminant(chosen[group] or "E"), 1.0 if chosen[group] else 0.0)
+            group: Light(library.illuminant(chosen[group] or "E"), 1.0 if chosen[group] else 0.0)
             for group in self.image.groups
         }
 
@@ -84,7 +85,7 @@ def run(folder: Path):
 
 def _compare(plain: _Take, nine: _Take, reference: _Take) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """{lighting: ΔE2000 of plain RGB and of nine channels to the reference}, (height, width) each."""
-    to_xyz = np.linalg.inv(view.xyz_to_rgb(reference.image.space))
+    to_xyz = np.linalg.inv(spaces.xyz_to_rgb(reference.image.space))
     white = to_xyz.sum(axis=1)  # of the display: the pictures are shown without white balance
     found = {}
     for lighting in _LIGHTINGS:
@@ -103,7 +104,7 @@ def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences
     for lighting in _LIGHTINGS:
         row = [("Blender RGB", plain), ("Relume, 9 channels", nine), ("Reference, 36 bands", reference)]
         written.append(folder / f"side_by_side_{lighting}.png")
-        figures.picture_row(written[-1], [(title, view.srgb_encoded(_shown(take, lighting))) for title, take in row])
+        figures.picture_row(written[-1], [(title, spaces.srgb_encoded(_shown(take, lighting))) for title, take in row])
     maps = []
     for lighting in ("both", "D65", "sodium"):
         plain_map, nine_map = differences[lighting]

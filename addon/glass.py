@@ -8,7 +8,7 @@ that a spectrum has no stripes. In a scene without Relume they are red, green an
 
 import bpy
 
-from ..core import view
+from ..core import spaces
 from ..core.factor_model import FactorModel
 from ..core.spectrum import Spectrum
 from . import nodes
@@ -44,7 +44,7 @@ def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", nor
 def _fill(tree, model: FactorModel | None):
     """Build the group for a model's channels, or for red, green and blue."""
     index = spectra_of(tree)["IOR"]
-    plain = view.display_primaries(index)
+    plain = spaces.display_primaries(index)
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
     shares = [None] if model is None else model.shares(index)

@@ -29,7 +29,7 @@ class Inventory:
 
     @property
     def lights(self) -> dict:
-        """{light: the first object that it is}."""
+        """{light: the first object that uses it}."""
         found = {}
         for thing in self.objects:
             if thing.type == "LIGHT":

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import bpy
 
-from ..core import coefficients, library, sequences, view
+from ..core import coefficients, library, sequences
+from ..core.mix import Light
 from . import denoise, render, setup
 from .setup import SetupError
 
@@ -151,9 +152,9 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
     }
 
 
-def _lights_of(image, chosen: list[str]) -> dict[str, view.Light]:
+def _lights_of(image, chosen: list[str]) -> dict[str, Light]:
     """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
-    lights = {group: view.Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
     for text in chosen:
         group, equals, what = text.rpartition("=")
         name, _, gain = what.partition("*")
@@ -162,7 +163,7 @@ def _lights_of(image, chosen: list[str]) -> dict[str, view.Light]:
         if group not in lights:
             raise ValueError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
         try:
-            lights[group] = view.Light(library.illuminant(name), float(gain or 1.0))
+            lights[group] = Light(library.illuminant(name), float(gain or 1.0))
         except ValueError as error:
             raise ValueError(f"--light {text}: {gain!r} is not a number") from error
     return lights

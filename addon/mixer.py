@@ -250,10 +250,10 @@ class LightGroup(PropertyGroup):
         return library.illuminant(self.illuminant)
 
     def light(self):
-        """The `core.view.Light` of this row alone. Raises as `spectrum` does."""
-        from ..core import view
+        """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
+        from ..core.mix import Light
 
-        return view.Light(self.spectrum(), self.gain)
+        return Light(self.spectrum(), self.gain)
 
 
 class Snapshot(PropertyGroup):

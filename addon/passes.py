@@ -1,12 +1,12 @@
 """Coefficient passes: view layers copied from the artist's own, one for every three channels.
 
-A view layer carries the numbers of `core.view.ViewLayerNumbers` as custom properties; the shaders read them with
-Attribute nodes of type View Layer (`nodes.view_group`).
+A view layer carries the numbers of `core.recombination.ViewLayerNumbers` as custom properties; the shaders read them
+with Attribute nodes of type View Layer (`nodes.view_group`).
 """
 
 import bpy
 
-from ..core import view
+from ..core import recombination
 from ..core.sampling import Sampling
 
 __all__ = [
@@ -41,7 +41,7 @@ def preview_layers(scene) -> list:
     return [layer for layer in scene.view_layers if _SOURCE in layer and _PASS not in layer]
 
 
-def write_view(layer, numbers: view.ViewLayerNumbers):
+def write_view(layer, numbers: recombination.ViewLayerNumbers):
     """Write what the shaders read into the custom properties of a view layer."""
     values = {"relume_on": 1.0}
     values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
@@ -109,7 +109,7 @@ def add(scene, model, groups: list[str], sampling: Sampling):
             for group in groups:
                 if group not in layer.lightgroups:
                     layer.lightgroups.add(name=group)
-            write_view(layer, view.coefficient_pass(model, k, len(groups), space))
+            write_view(layer, recombination.coefficient_pass(model, k, len(groups), space))
         source[_SOURCE] = source.name
         source.use = False
 

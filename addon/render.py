@@ -10,9 +10,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import coefficients, view
+from ..core import coefficients, recombination
 from ..core.coefficients import CoefficientImage
 from ..core.errors import RenderError
+from ..core.mix import Light, Mix
 from . import passes, setup
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
@@ -56,7 +57,7 @@ def render(
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
     settings = scene.relume
     chosen = setup.lighting(scene)
-    lights = dict(zip(groups, chosen["lights"], strict=True))
+    lights = dict(zip(groups, chosen.lights.values(), strict=True))
     return Rendered(
         CoefficientImage(
             model=settings.model(),
@@ -68,8 +69,8 @@ def render(
             white_balance_method=settings.white_balance_method,
             view=_view_of(scene),
             gains={group: light.gain for group, light in lights.items()},
-            white=None if chosen["white"] is None else tuple(map(float, chosen["white"])),
-            observer=chosen["observer"],
+            white=chosen.white,
+            observer=chosen.observer,
         ),
         times,
         found,
@@ -149,17 +150,17 @@ def _view_of(scene) -> dict:
     }
 
 
-def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balance: float | None = None):
+def picture(image: CoefficientImage, lights: dict[str, Light], white_balance: float | None = None):
     """(height, width, 3) linear picture with a light for each group; the image's own white balance if none is given."""
-    matrices = view.recombination_matrices(
-        image.model,
-        [lights[group] for group in image.groups],
+    mix = Mix(
+        {group: lights[group] for group in image.groups},
         white_balance=image.white_balance if white_balance is None else white_balance,
         method=image.white_balance_method,
         space=image.space,
         white=image.white,
         observer=image.observer,
     )
+    matrices = recombination.recombination_matrices(image.model, mix)
     return coefficients.recombine(list(image.groups.values()), matrices)
 
 

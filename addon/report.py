@@ -16,7 +16,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import bases, coefficients, figures, measure, plan, view
+from ..core import bases, coefficients, figures, measure, plan, recombination, spaces
+from ..core.mix import Light, Mix
 from . import content, jobs, render, setup
 
 __all__ = ["run"]
@@ -120,7 +121,7 @@ class _Takes:
         folder.mkdir(exist_ok=True)
         self.blend, self.arguments, self.folder, self.key = blend, arguments, folder, key
 
-    def lights(self) -> dict[str, view.Light]:
+    def lights(self) -> dict[str, Light]:
         """What shines in each light group of the scene that was rendered last."""
         return {row.name: row.light() for row in bpy.context.scene.relume.light_groups}
 
@@ -154,13 +155,13 @@ class _Takes:
         lights, choices = self.lights(), content.content_of(bpy.context.scene).choices
         worst, worst_light = 0.0, "as it is lit"
         for light in choices:
-            all_alike = {group: view.Light(light) for group in lights}
+            all_alike = {group: Light(light) for group in lights}
             found = measure.statistics(_difference(image, reference, all_alike))["p98"]
             if found > worst:
                 worst, worst_light = found, light.name
         taken = [self._as_an_artist(name, model, seed) for seed in (1, 2)]
         first, second = (coefficients.to_xyz(image, lights) for image, _ in taken)
-        white = view.mixed_white(list(lights.values()), reference.model)
+        white = recombination.mixed_white(reference.model, Mix(lights))
         truth = coefficients.to_xyz(reference, lights)
         row = Row(
             name=name,
@@ -214,7 +215,7 @@ def _megabytes() -> float:
 
 
 def _difference(image, reference, lights) -> np.ndarray:
-    white = view.mixed_white(list(lights.values()), reference.model)
+    white = recombination.mixed_white(reference.model, Mix(lights))
     return measure.picture_delta_E(coefficients.to_xyz(image, lights), coefficients.to_xyz(reference, lights), white)
 
 
@@ -237,7 +238,7 @@ def _draw(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]
     drawn = ["error_over_time.png", "side_by_side.png", "delta_e.png"]
     points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
     figures.error_over_time(folder / drawn[0], points, "automatic")
-    row = [(name, view.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
+    row = [(name, spaces.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
     figures.picture_row(folder / drawn[1], row)
     reference = shown[_REFERENCE]
     maps = [(name, _difference(image, reference, lights)) for name, image in shown.items() if image is not reference]

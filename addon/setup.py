@@ -1,13 +1,15 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
+from dataclasses import replace
 
 import bpy
 
-from ..core import drawing, grouping, plan, sampling, view
+from ..core import channel_order, drawing, plan, recombination, sampling
 from ..core.errors import SetupError
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
+from ..core.mix import Mix
 from . import (
     compositing,
     content,
@@ -61,7 +63,7 @@ def set_up(scene, model: FactorModel | None = None):
     if model is None and scene.relume.channels == properties.AUTO:
         found = plan.choose(content.content_of(scene), scene.relume.tolerance)
         model, chosen["reason"] = found.model, found.reason
-    model = grouping.balanced(model or properties.model_for(scene.relume.channels))
+    model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
     others = [s for s in bpy.data.scenes if s != scene and s.get(properties.MODEL, described) != described]
@@ -175,30 +177,29 @@ def _take_back_illuminants(scene):
         del scene[_GIVEN]
 
 
-def lighting(scene, settings=None) -> dict:
-    """The keyword arguments that the functions of `core.view` take from a scene.
+def lighting(scene, settings=None) -> Mix:
+    """The mix that a scene shows. Raises ValueError, LibraryError where it cannot be shown.
 
     settings: those of the scene as evaluated at a frame, if not the scene's own.
     """
     settings = settings or scene.relume
-    lights = settings.lights()
-    return {
-        "lights": lights,
-        "white_balance": settings.white_balance,
-        "method": settings.white_balance_method,
-        "space": bpy.data.colorspace.working_space,
-        "white": settings.white(scene.relume.model(), lights) if settings.white_balance > 0.0 else None,
-        "observer": settings.seen_by(),
-    }
+    mix = Mix(
+        dict(zip([row.name for row in settings.light_groups], settings.lights(), strict=True)),
+        white_balance=settings.white_balance,
+        method=settings.white_balance_method,
+        space=bpy.data.colorspace.working_space,
+        observer=settings.seen_by(),
+    )
+    return replace(mix, white=settings.white(scene.relume.model(), mix)) if mix.white_balance > 0.0 else mix
 
 
 def _write_lighting(scene, settings=None):
     """Write the chosen illuminants into the compositor and the preview: numbers only, and only those that changed."""
     model, chosen = scene.relume.model(), lighting(scene, settings)
-    compositing.write_matrices(scene, view.recombination_matrices(model, **chosen))
+    compositing.write_matrices(scene, recombination.recombination_matrices(model, chosen))
     layers = passes.preview_layers(scene)
     if layers:
-        shown = view.preview(model, **chosen)
+        shown = recombination.preview(model, chosen)
         for layer in layers:
             passes.write_view(layer, shown)
     return chosen
@@ -227,7 +228,7 @@ def relight(scene):
         settings["problem"] = str(error)
     else:
         settings["problem"] = ""
-        _draw_swatches(scene, chosen["lights"])
+        _draw_swatches(scene, chosen.lights.values())
     scene.update_tag()
 
 
@@ -241,7 +242,7 @@ def matrices_of(scene, chosen: dict):
     with mixer.quiet():
         try:
             mixer.apply(settings, chosen)
-            return view.recombination_matrices(settings.model(), **lighting(scene))
+            return recombination.recombination_matrices(settings.model(), lighting(scene))
         except LibraryError as error:
             raise ValueError(str(error)) from error
         finally:

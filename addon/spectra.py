@@ -7,7 +7,7 @@ for a reflectance; `IOR` and `Extinction` for the complex index of refraction of
 import bpy
 import numpy as np
 
-from ..core import fresnel, view
+from ..core import fresnel, spaces
 from ..core.factor_model import FactorModel
 from ..core.spectrum import Spectrum
 from . import nodes, sockets
@@ -145,8 +145,8 @@ def _plain(tree) -> dict[str, tuple]:
     space = bpy.data.colorspace.working_space
     spectra = spectra_of(tree)
     if "Color" in spectra:
-        return {"Color": tuple(view.daylight_rgb(spectra["Color"], space))}
-    return {socket: tuple(view.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
+        return {"Color": tuple(spaces.daylight_rgb(spectra["Color"], space))}
+    return {socket: tuple(spaces.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
 
 
 def _fill(tree, model: FactorModel):

@@ -2,7 +2,7 @@
 
 A coefficient image has, for every light group, p channels: the picture that each spectral coefficient paints under
 lamps of 1. The picture under any illuminants is a sum of 3×p matrices times these channels
-(`view.recombination_matrices`).
+(`recombination.recombination_matrices`).
 """
 
 import json
@@ -15,8 +15,8 @@ import numpy as np
 
 from .errors import CoefficientImageError
 from .factor_model import FactorModel
+from .library import OBSERVER
 from .spectrum import Spectrum
-from .view import OBSERVER
 
 __all__ = [
     "EVERYTHING_ELSE",
@@ -49,7 +49,7 @@ class CoefficientImage:
 
     groups: light group -> (height, width, p) float32. illuminants: light group -> what lit it. alpha: (height, width).
     view: how Blender would show it (`view_transform`, `look`, `exposure`, `gamma`), an empty mapping for plain sRGB.
-    white, observer: as `view.recombination_matrices` takes them.
+    white, observer: as `mix.Mix` takes them.
     """
 
     model: FactorModel
@@ -90,7 +90,7 @@ def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
 
 
 def to_xyz(image: CoefficientImage, lights: Mapping) -> np.ndarray:
-    """(height, width, 3) XYZ of a coefficient image with a `view.Light` for each group."""
+    """(height, width, 3) XYZ of a coefficient image with a `mix.Light` for each group."""
     matrices = [lights[group].gain * image.model.relight(lights[group].illuminant) for group in image.groups]
     return recombine(list(image.groups.values()), np.array(matrices))
 
