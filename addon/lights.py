@@ -60,7 +60,9 @@ def members_of(scene) -> dict[str, list[str]]:
     """{light group: names of what shines in it}, in the order of `light_groups_of`."""
     found = {}
     for thing in emitters_of(scene):
-        found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(thing.name)
+        found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(
+            f"{thing.id_type} {thing.name}"
+        )
     rest = [*found.pop("", ()), *found.pop(EVERYTHING_ELSE, ())]
     return found | ({EVERYTHING_ELSE: rest} if rest else {})
 

@@ -40,7 +40,7 @@ def render(
     """
     layers = next(iter(passes.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
-    groups = [group.name for group in scene.relume.light_groups]
+    groups = [row.name for row in scene.relume.lit]
     with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
         path = Path(temporary) / "passes.exr"
         with _Progress(progress), _storing_guides(layers if guides else ()):
