@@ -29,4 +29,5 @@ def held_back():
         yield let_through
     finally:
         signal.signal(signal.SIGINT, before)
-        let_through()
+        if waiting:
+            before(*waiting.pop())

@@ -23,7 +23,8 @@ __all__ = [
 ]
 
 _MEMBERS = "relume_members"  # on a scene that is set up, as JSON: what shone in each light group
-_WAS = "was"  # on a row while its scene is set up: the number and the name that it had before
+_WAS = "was"  # on a row during set-up: the number and the name that it had before
+_PLACE = "place"  # on a row while its scene is set up, if it was there before: its number then
 _COLLECTION = "relume.light_groups"
 
 
@@ -133,11 +134,15 @@ def forget_untouched(scene):
     """Drop the rows in which the artist chose nothing; what was chosen is there when the scene is set up again."""
     settings, rows = scene.relume, scene.relume.light_groups
     with _followed_by_animation(settings):
+        places = {row.name: row.get(_PLACE, len(rows)) for row in rows}
+        for position, name in enumerate(sorted(places, key=places.get)):
+            rows.move(rows.find(name), position)
         for index in reversed(range(len(rows))):
             for name in ("swatch", "is_open", "is_lit"):
                 rows[index].property_unset(name)
-            if CURVE in rows[index]:
-                del rows[index][CURVE]
+            for key in (CURVE, _PLACE):
+                if key in rows[index]:
+                    del rows[index][key]
             if not _is_kept(scene, index):
                 rows.remove(index)
     if _MEMBERS in scene:
@@ -153,8 +158,10 @@ def _is_kept(scene, index: int) -> bool:
 
 
 def mark(settings):
-    """Note in every row where it stands and how it is called, for `put_back`."""
+    """Note in every row where it stands and how it is called, for `put_back` and for when the set-up is removed."""
     for number, row in enumerate(settings.light_groups):
+        if not settings.is_set_up:
+            row[_PLACE] = number
         row[_WAS] = json.dumps([number, row.name])
 
 
