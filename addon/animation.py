@@ -9,7 +9,18 @@ circle.
 
 import re
 
-__all__ = ["acts_on", "has_strips", "is_animated", "is_driven", "is_shared", "keyed", "move", "paths", "renumber"]
+__all__ = [
+    "acts_on",
+    "has_any",
+    "has_strips",
+    "is_animated",
+    "is_driven",
+    "is_shared",
+    "keyed",
+    "move",
+    "paths",
+    "renumber",
+]
 
 _PREFIX = "node_tree."
 
@@ -21,6 +32,12 @@ def paths(tree, owner) -> frozenset[str]:
         through = (curve.data_path for curve in _curves(owner))
         found |= {path.removeprefix(_PREFIX) for path in through if path.startswith(_PREFIX)}
     return frozenset(found)
+
+
+def has_any(block) -> bool:
+    """Whether anything is there that animates a data-block."""
+    data = block.animation_data
+    return data is not None and bool(data.action or data.drivers or data.nla_tracks)
 
 
 def is_animated(block, path: str) -> bool:
