@@ -11,6 +11,7 @@ import re
 
 __all__ = [
     "acts_on",
+    "broken",
     "has_any",
     "has_strips",
     "is_animated",
@@ -48,6 +49,12 @@ def is_animated(block, path: str) -> bool:
 def acts_on(block, beginning: str) -> bool:
     """Whether anything in a data-block whose path begins so is animated or driven."""
     return any(curve.data_path.startswith(beginning) for curve in _curves(block))
+
+
+def broken(block) -> list[str]:
+    """Data paths of the drivers of a data-block that could not be worked out when Blender tried last."""
+    data = getattr(block, "animation_data", None)
+    return sorted({c.data_path for c in data.drivers if not c.driver.is_valid}) if data else []
 
 
 def is_driven(block, beginning: str) -> bool:

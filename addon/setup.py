@@ -12,7 +12,7 @@ from . import (
     animation,
     compositing,
     content,
-    denoise,
+    faults,
     glass,
     interruption,
     inventory,
@@ -44,8 +44,6 @@ __all__ = [
 ]
 
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
-_UNLIT = "nothing shines in this light group: its row keeps what was chosen until you remove groups without lights"
-_NO_DENOISER = "this Blender has no denoiser: the picture keeps its noise"
 
 
 def set_up(scene, model: FactorModel | None = None):
@@ -54,7 +52,8 @@ def set_up(scene, model: FactorModel | None = None):
     A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
     Raises SetupError.
     """
-    _check(scene)
+    faults.check(scene)
+    schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
         found = plan.choose(content.content_of(scene), scene.relume.tolerance)
@@ -86,20 +85,6 @@ def set_up(scene, model: FactorModel | None = None):
                 raise
             now = f"is no longer set up, for setting {lost} up again" if lost else "is as it was, for setting it up"
             raise SetupError(f"scene {at.name!r} {now} failed: {error}") from error
-
-
-def _check(scene):
-    if scene.library is not None:
-        raise SetupError(f"scene {scene.name!r} is linked from {scene.library.filepath}: set it up in its own file")
-    if scene.relume.exr:
-        raise SetupError(f"scene {scene.name!r} relights {scene.relume.exr}: set up the scene that was rendered")
-    if scene.camera is None:
-        raise SetupError(f"scene {scene.name!r} has no camera")
-    if not lights.has_emitters(scene):
-        raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
-    if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
-        raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
-    schema.check(scene)
 
 
 def _plan_of(scene) -> dict:
@@ -173,16 +158,12 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
 def _convert_colors(scene, groups: list[str], model: FactorModel):
     """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
     found = inventory.take(scene)
+    about_scene = faults.remarks_on(scene, found)
     lamps, about_lamps = lights.take_colors(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
     about_colors = sockets.convert(shadings, model.channels, shining.convert)
-    named = sorted({thing.lightgroup for thing in found.objects})
-    about_groups = [remarks.Remark(name, "", why) for name in named if (why := lights.why_unusable(name))]
-    about_groups += [remarks.Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
-    noisy = scene.cycles.use_denoising and not denoise.available()
-    about_noise = [remarks.Remark("Render Properties", "Denoise", _NO_DENOISER)] if noisy else []
-    remarks.write(scene, [*about_noise, *about_trees, *about_lamps, *about_groups, *about_colors])
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colors])
     first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
     fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
     scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
