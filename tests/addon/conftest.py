@@ -6,12 +6,8 @@ bpy = pytest.importorskip("bpy", reason="the add-on's tests need bpy")
 
 
 @pytest.fixture(scope="session", autouse=True)
-def relume():
-    import relume
-
-    relume.register()
-    yield relume
-    relume.unregister()
+def _registered(relume):
+    """The add-on is there in every test."""
 
 
 @pytest.fixture
