@@ -132,7 +132,7 @@ def rename(scene, before: str, after: str):
 
 def _as_rendered(scene, matrices):
     """Matrices for the images that the scene composites: a render's last may hold all light, a file's never does."""
-    rows = scene.relume.light_groups
+    rows = scene.relume.lit
     return for_passes(matrices) if not scene.relume.exr and rows[-1].name == EVERYTHING_ELSE else matrices
 
 

@@ -128,6 +128,8 @@ def _materials_at(found, thing, face: int, matrix) -> list:
 def _camera_rays(scene, depsgraph):
     """(origin, direction) of rays spread evenly over the picture."""
     camera = scene.camera
+    if camera.type != "CAMERA":
+        return  # Blender looks through a lamp as well: nobody knows what is seen
     frame = camera.data.view_frame(scene=scene)  # top right, bottom right, bottom left, top left, in camera space
     matrix = camera.evaluated_get(depsgraph).matrix_world
     right, down = frame[0] - frame[3], frame[2] - frame[3]

@@ -27,7 +27,7 @@ def coefficients_of(context):
 
         return coefficients.read(exr.current_file(scene)).groups
     layers = [layer.name for layer in next(iter(passes.pass_layers(scene).values()))]
-    groups = [row.name for row in scene.relume.light_groups]
+    groups = [row.name for row in scene.relume.lit]
     settings = scene.render.image_settings
     wanted = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
     before = {name: getattr(settings, name) for name in wanted}

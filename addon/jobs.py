@@ -119,7 +119,7 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
         progress.done()
     image = rendered.image
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
-    mixes = {"+".join(dict.fromkeys(row.label for row in scene.relume.light_groups)): lights}
+    mixes = {"+".join(dict.fromkeys(row.label for row in scene.relume.lit)): lights}
     if plain:
         # The scene's own mix is a picture of its own only where the caller asked for no other
         mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}

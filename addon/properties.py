@@ -238,12 +238,22 @@ class SceneSettings(PropertyGroup):
         """The factor model that this scene was set up with."""
         return _model_from(self.id_data[MODEL])
 
+    @property
+    def lit(self) -> list:
+        """The rows of the mixer in which something shone at set-up: those that are rendered, in order."""
+        return [row for row in self.light_groups if row.is_lit]
+
+    @property
+    def shades(self) -> bool:
+        """Whether the shaders of the scene carry the set-up: that of an EXR that is relit has none."""
+        return self.is_set_up and not self.exr
+
     def lights(self) -> list:
-        """A `core.mix.Light` for each row of the mixer, with its gain after solo and mute."""
+        """A `core.mix.Light` for each row of `lit`, with its gain after solo and mute."""
         from ..core import mixing
         from ..core.mix import Light
 
-        rows = self.light_groups
+        rows = self.lit
         gains = mixing.gains([row.stops for row in rows], [row.solo for row in rows], [row.mute for row in rows])
         return [Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
 

@@ -39,9 +39,11 @@ def render(
     progress(pass, part of it done) is called as the render goes. guides: names of what the denoiser is to have of every
     pass, None where nothing is to be denoised. Only the first of the artist's view layers is read. Raises RenderError.
     """
+    if scene.render.use_multiview:
+        raise RenderError(f"scene {scene.name!r} renders several views (stereoscopy): switch that off, one is kept")
     layers = next(iter(passes.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
-    groups = [group.name for group in scene.relume.light_groups]
+    groups = [row.name for row in scene.relume.lit]
     with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
         path = Path(temporary) / "passes.exr"
         with _Progress(progress), _storing_guides(layers if guides else ()):

@@ -123,7 +123,7 @@ class _Takes:
 
     def lights(self) -> dict[str, Light]:
         """What shines in each light group of the scene that was rendered last."""
-        return {row.name: row.light() for row in bpy.context.scene.relume.light_groups}
+        return {row.name: row.light() for row in bpy.context.scene.relume.lit}
 
     def waiting(self, models: dict) -> int:
         """Passes that are still to be rendered for {name: model}."""
