@@ -14,12 +14,14 @@ from functools import lru_cache
 import numpy as np
 
 from . import library
+from .errors import ModelError, UsageError
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix, rgb_to_xyz
 
 __all__ = [
     "ADAPTATIONS",
+    "GAINS",
     "OBSERVER",
     "Light",
     "ViewLayerNumbers",
@@ -49,6 +51,8 @@ ADAPTATIONS = {
 
 OBSERVER = "CIE 1931 2°"  # whose XYZ a display is made for
 
+GAINS = (0.0, 1e6)
+
 # Below this part of the largest channel a light is taken to have none of that primary: under a sodium lamp the blue of
 # a display is negative, and a preview colour divided by it would mean nothing.
 _NO_PRIMARY = 0.02
@@ -56,10 +60,17 @@ _NO_PRIMARY = 0.02
 
 @dataclass(frozen=True)
 class Light:
-    """What shines in one light group: an illuminant and a gain (1 keeps the luminance the artist lit with)."""
+    """What shines in one light group: an illuminant and a gain (1 keeps the luminance the artist lit with).
+
+    Raises UsageError for a gain outside `GAINS`.
+    """
 
     illuminant: Spectrum
     gain: float = 1.0
+
+    def __post_init__(self):
+        if not GAINS[0] <= self.gain <= GAINS[1]:  # nan is in no range
+            raise UsageError(f"gain {self.gain:g} is not a number from {GAINS[0]:g} to {GAINS[1]:.0f}")
 
 
 @dataclass(frozen=True)
@@ -90,20 +101,20 @@ def adaptation(source, target, degree: float = 1.0, method: str = "bradford") ->
     """(3, 3) chromatic adaptation in XYZ from the white `source` (3,) to `target` (3,), both of any luminance.
 
     `degree` is 0 for none, 1 for complete; between the two the white is moved in proportion (CIECAM02's D).
-    Luminance of the white is kept. Raises ValueError for a white that the method cannot balance (a cone response of
+    Luminance of the white is kept. Raises ModelError for a white that the method cannot balance (a cone response of
     zero or less), for a degree outside 0..1 and for an unknown method.
     """
     if method not in ADAPTATIONS:
-        raise ValueError(f"unknown white balance method {method!r}: expected one of {', '.join(ADAPTATIONS)}")
+        raise ModelError(f"unknown white balance method {method!r}: expected one of {', '.join(ADAPTATIONS)}")
     if not 0.0 <= degree <= 1.0:
-        raise ValueError(f"degree of white balance is {degree}: expected 0 (none) to 1 (complete)")
+        raise ModelError(f"degree of white balance is {degree}: expected 0 (none) to 1 (complete)")
     if degree == 0.0:
         return np.eye(3)
     cone = ADAPTATIONS[method]
     source, target = np.asarray(source, float), np.asarray(target, float)
     from_white, to_white = cone @ (source / source[1]), cone @ (target / target[1])
     if np.any(from_white <= 0.0):
-        raise ValueError("white balance: this light has no response in one of the eye's channels; use less than full")
+        raise ModelError("white balance: this light has no response in one of the eye's channels; use less than full")
     gains = degree * to_white / from_white + (1.0 - degree)
     matrix = np.linalg.inv(cone) @ np.diag(gains) @ cone
     return matrix / (matrix @ source)[1] * source[1]
@@ -172,7 +183,7 @@ def _balanced(lights: Sequence[Light], model, degree: float, method: str, space:
     if white is None:
         white = mixed_white(lights, model, observer)
     if not np.asarray(white)[1] > 0.0:
-        raise ValueError("white balance: what is to be white is dark; pick another pixel or group")
+        raise ModelError("white balance: what is to be white is dark; pick another pixel or group")
     return to_rgb @ adaptation(white, display_white, degree, method)
 
 
