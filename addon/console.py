@@ -16,7 +16,7 @@ import threading
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout, suppress
 
 from ..core import results
-from ..core.errors import UsageError
+from ..core.errors import ResultError, UsageError
 
 __all__ = ["LOG", "Progress", "apart", "event", "fail", "say", "silent", "start_log", "stoppable", "wrote"]
 
@@ -31,8 +31,15 @@ def _speaks_json() -> bool:
 def event(kind: str, **told) -> bool:
     """Tell a program that follows; returns whether one does."""
     if _speaks_json():
-        print(json.dumps({"event": kind, **told}), flush=True)
+        _print(json.dumps({"event": kind, **told}))
     return _speaks_json()
+
+
+def _print(line: str):
+    try:
+        print(line, flush=True)
+    except OSError as error:
+        raise ResultError(f"standard output cannot be written ({error.strerror})") from error
 
 
 def say(words: str):
@@ -49,7 +56,7 @@ def fail(words: str):
 
 def wrote(path):
     """A result that is there now."""
-    event("wrote", path=str(path)) or print(path, flush=True)
+    event("wrote", path=str(path)) or _print(str(path))
 
 
 class Progress:
@@ -113,8 +120,9 @@ def apart():
         sink = 2 if LOG.isEnabledFor(logging.INFO) else stack.enter_context(open(os.devnull, "wb")).fileno()
         out = stack.enter_context(_redirected(1, sink))
         if _writes_to(sys.stdout, 1):
-            own = open(os.dup(out), "w", encoding=sys.stdout.encoding, errors="backslashreplace")
-            stack.enter_context(redirect_stdout(stack.enter_context(own)))
+            encoding = sys.stdout.encoding
+            own = stack.enter_context(open(os.dup(out), "w", encoding=encoding, errors="backslashreplace"))
+            stack.enter_context(redirect_stdout(own))
         yield
 
 

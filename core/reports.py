@@ -6,6 +6,8 @@ import re
 import sys
 from dataclasses import dataclass
 
+from . import results
+
 __all__ = ["Section", "publish", "survive_closed_output"]
 
 
@@ -40,10 +42,10 @@ def publish(title, sections, out=None):
         done.append(section)
         if out and section.head:
             path = out / (re.sub("[^a-z0-9]+", "_", section.name.lower()).strip("_") + ".csv")
-            with open(path, "w", newline="", encoding="utf-8") as file:
+            with results.replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([section.head, *section.rows])
     if out:
-        (out / f"{title}.md").write_text("\n".join(section.markdown() for section in done), encoding="utf-8")
+        results.write_text(out / f"{title}.md", "\n".join(section.markdown() for section in done))
     return done
 
 
