@@ -1,6 +1,7 @@
 """Opening a .blend for a command."""
 
 import os
+import re
 from pathlib import Path
 
 import bpy
@@ -9,6 +10,9 @@ from ..core.errors import RelumeError, UsageError
 from . import console
 
 __all__ = ["first_line", "located", "open_scene"]
+
+# What Blender tells a user; its "WARNING" and "ERROR" are for developers
+_WARNING = re.compile(r"(?:Warning|Error): (.+)")
 
 
 def located(text: str) -> Path:
@@ -40,7 +44,7 @@ def open_scene(path: Path, remarks: bool = True):
         raise UsageError(f"{path}: no such file")
     if not path.is_file():
         raise UsageError(f"{path}: is a device or a pipe; expected a .blend file")
-    loaded, warning = [], ""
+    loaded = []
 
     @bpy.app.handlers.persistent
     def note(*_):
@@ -48,19 +52,20 @@ def open_scene(path: Path, remarks: bool = True):
 
     bpy.app.handlers.load_post.append(note)
     try:
-        with console.silent():
-            # Blender raises for a warning too, with the file open
+        with console.heard() as told:
             bpy.ops.wm.open_mainfile(filepath=os.path.abspath(path), load_ui=False)
     except RuntimeError as error:
-        warning = first_line(error)
+        # Blender raises for what it only warns of as well
         if not loaded:
-            raise RelumeError(f"{path}: not a file that Blender can open ({warning})") from error
+            raise RelumeError(f"{path}: not a file that Blender can open ({first_line(error)})") from error
+        told += str(error).splitlines()
     finally:
         bpy.app.handlers.load_post.remove(note)
-    with console.silent():
+    with console.heard():
         bpy.context.view_layer.update()  # drivers run, and those that fail say so in many lines
-    if warning and remarks:
-        console.say(f"{path}: {warning}")
+    warnings = dict.fromkeys(found[1] for line in told if (found := _WARNING.fullmatch(line)))
+    if warnings and remarks:
+        console.say(f"{path}: {'; '.join(warnings)}")
     broken = _broken_drivers() if remarks else ()
     if broken:
         more = f" and {len(broken) - 3} more" if len(broken) > 3 else ""

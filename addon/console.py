@@ -5,6 +5,7 @@ program that follows. RELUME_LOG=debug (info, warning, error) logs to standard e
 """
 
 import faulthandler
+import io
 import json
 import logging
 import os
@@ -12,13 +13,14 @@ import shutil
 import signal
 import socket
 import sys
+import tempfile
 import threading
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout, suppress
 
 from ..core import results
 from ..core.errors import ResultError, UsageError
 
-__all__ = ["LOG", "Progress", "apart", "event", "fail", "say", "silent", "start_log", "stoppable", "wrote"]
+__all__ = ["LOG", "Progress", "apart", "event", "fail", "heard", "say", "start_log", "stoppable", "wrote"]
 
 LOG = logging.getLogger("relume")
 _LEVELS = ("debug", "info", "warning", "error")
@@ -127,14 +129,22 @@ def apart():
 
 
 @contextmanager
-def silent():
-    """While it lasts, nothing that Blender says is shown, not even on standard error; a crash still is."""
-    if LOG.isEnabledFor(logging.INFO):
-        yield
-        return
+def heard():
+    """While it lasts, nothing that Blender says is shown; yields a list that holds its lines afterwards.
+
+    A crash is shown all the same.
+    """
+    lines = []
     sys.stderr.flush()
-    with open(os.devnull, "w") as nothing, _redirected(2, nothing.fileno()), redirect_stderr(nothing):
-        yield
+    with tempfile.TemporaryFile() as file:
+        try:
+            with _redirected(1, file.fileno()), _redirected(2, file.fileno()), redirect_stderr(io.StringIO()):
+                yield lines
+        finally:
+            file.seek(0)
+            lines += file.read().decode(errors="replace").splitlines()
+            for line in lines:
+                LOG.info("Blender: %s", line)
 
 
 def _writes_to(stream, number: int) -> bool:

@@ -109,12 +109,12 @@ def _open(blend: Path, told):
 
 def _models(scene, told, chosen) -> dict:
     """{name: model} in the order of their passes; the planner's choice is among them."""
-    told = content.content_of(scene)
+    lights = content.content_of(scene).lights
     made = {}
     if "rgb" in told.models:
         made["RGB"] = bases.rgb()
     if "prefiltered" in told.models:
-        made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in told.lights}
+        made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
     for channels in told.channels:
         if "fitted" in told.models:
             made[f"{channels} channels"] = bases.fitted(channels)

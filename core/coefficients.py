@@ -256,6 +256,7 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
     spec = oiio.ImageSpec(width, height, count, "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
+    spec.attribute("DateTime", "")  # else the time of writing: the same picture would be other bytes each time
     for key, value in attributes.items():
         spec.attribute(key, value)
     with results.replacing(path) as partial:
