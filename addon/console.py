@@ -20,10 +20,11 @@ from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdo
 from ..core import results
 from ..core.errors import ResultError, UsageError
 
-__all__ = ["LOG", "Progress", "apart", "event", "fail", "heard", "say", "start_log", "stoppable", "wrote"]
+__all__ = ["LOG", "Progress", "apart", "event", "fail", "heard", "reports", "say", "start_log", "stoppable", "wrote"]
 
 LOG = logging.getLogger("relume")
 _LEVELS = ("debug", "info", "warning", "error")
+_own = None  # standard output as long as `apart` lasts
 
 
 def _speaks_json() -> bool:
@@ -38,9 +39,12 @@ def event(kind: str, **told) -> bool:
 
 
 def _print(line: str):
+    stream = _own or sys.stdout
     try:
-        print(line, flush=True)
+        print(line, file=stream, flush=True)
     except OSError as error:
+        with open(os.devnull, "wb") as nothing:  # else closing it fails once more
+            os.dup2(nothing.fileno(), stream.fileno())
         raise ResultError(f"standard output cannot be written ({error.strerror})") from error
 
 
@@ -115,6 +119,7 @@ def apart():
 
     They are dropped, or go to standard error where the log is at "info" or below. A crash is told on standard error.
     """
+    global _own
     if not faulthandler.is_enabled():
         faulthandler.enable(os.dup(2))
     sys.stdout.flush()
@@ -125,26 +130,37 @@ def apart():
             encoding = sys.stdout.encoding
             own = stack.enter_context(open(os.dup(out), "w", encoding=encoding, errors="backslashreplace"))
             stack.enter_context(redirect_stdout(own))
-        yield
+        before, _own = _own, sys.stdout
+        try:
+            yield
+        finally:
+            _own = before
+
+
+@contextmanager
+def reports():
+    """While it lasts, Blender's reports, which it prints as Python does, are not shown; yields them afterwards."""
+    lines = []
+    with redirect_stdout(io.StringIO()) as text:
+        try:
+            yield lines
+        finally:
+            lines += text.getvalue().splitlines()
+            for line in lines:
+                LOG.info("Blender: %s", line)
 
 
 @contextmanager
 def heard():
-    """While it lasts, nothing that Blender says is shown; yields a list that holds its lines afterwards.
-
-    A crash is shown all the same.
-    """
-    lines = []
+    """While it lasts, nothing at all that Blender says is shown, but for a crash; yields its reports afterwards."""
     sys.stderr.flush()
-    with tempfile.TemporaryFile() as file:
+    with tempfile.TemporaryFile() as file, reports() as lines:
         try:
             with _redirected(1, file.fileno()), _redirected(2, file.fileno()), redirect_stderr(io.StringIO()):
                 yield lines
         finally:
             file.seek(0)
-            lines += file.read().decode(errors="replace").splitlines()
-            for line in lines:
-                LOG.info("Blender: %s", line)
+            LOG.info("Blender: %s", file.read().decode(errors="replace"))
 
 
 def _writes_to(stream, number: int) -> bool:

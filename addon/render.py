@@ -13,7 +13,7 @@ import numpy as np
 from ..core import coefficients, results, view
 from ..core.coefficients import CoefficientImage
 from ..core.errors import CoefficientImageError, RenderError, ResultError, UsageError
-from . import passes, setup
+from . import console, passes, setup
 from .blend_file import first_line
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
@@ -108,7 +108,8 @@ def _render_to(scene, path: Path):
         for target, values in ((scene.render, render_settings), (output, image_settings)):
             for name, value in values.items():
                 setattr(target, name, value)
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        with console.reports():
+            bpy.ops.render.render(write_still=True, scene=scene.name)
     except RuntimeError as error:
         raise RenderError(first_line(error)) from error
     finally:
