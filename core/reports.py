@@ -11,7 +11,7 @@ from functools import wraps
 from pathlib import Path
 from typing import Any
 
-from . import files, library
+from . import files, library, results
 from .errors import RelumeError
 from .spectrum import Spectrum
 
@@ -49,10 +49,10 @@ def publish(title: str, sections: Iterable[Section], out: Path | None = None) ->
         done.append(section)
         if out and section.head:
             path = out / (re.sub("[^a-z0-9]+", "_", section.name.lower()).strip("_") + ".csv")
-            with open(path, "w", newline="", encoding="utf-8") as file:
+            with results.replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([section.head, *section.rows])
     if out:
-        (out / f"{title}.md").write_text("\n".join(section.markdown() for section in done), encoding="utf-8")
+        results.write_text(out / f"{title}.md", "\n".join(section.markdown() for section in done))
     return done
 
 

@@ -215,6 +215,7 @@ def test_bad_input_is_one_line(room, tmp_path, monkeypatch, capfd, arguments, st
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of a file")
 def test_a_disk_that_fills_up_leaves_no_partial_files(room, tmp_path):
     scene, out = tmp_path / "little.blend", tmp_path / "out"
+    out.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
     script = (
         "import resource\n"
