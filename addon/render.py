@@ -4,7 +4,7 @@ import re
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -15,7 +15,7 @@ from ..core.coefficients import CoefficientImage
 from ..core.errors import RenderError
 from . import passes, setup
 
-__all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
+__all__ = ["FORMATS", "RenderError", "Rendered", "described", "picture", "render", "save_picture"]
 
 
 @dataclass(frozen=True)
@@ -54,25 +54,28 @@ def render(
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
-    settings = scene.relume
-    chosen = setup.lighting(scene)
-    lights = dict(zip(groups, chosen["lights"], strict=True))
-    return Rendered(
-        CoefficientImage(
-            model=settings.model(),
-            groups=channels,
-            illuminants={group: light.illuminant for group, light in lights.items()},
-            alpha=alpha,
-            space=bpy.data.colorspace.working_space,
-            white_balance=settings.white_balance,
-            white_balance_method=settings.white_balance_method,
-            view=_view_of(scene),
-            gains={group: light.gain for group, light in lights.items()},
-            white=None if chosen["white"] is None else tuple(map(float, chosen["white"])),
-            observer=chosen["observer"],
-        ),
-        times,
-        found,
+    return Rendered(replace(described(scene), groups=channels, alpha=alpha), times, found)
+
+
+def described(scene) -> CoefficientImage:
+    """What a scene that is set up says about its renders, at its current frame: without groups and pixels.
+
+    Raises RelumeError where the mix cannot be shown.
+    """
+    settings, chosen = scene.relume, setup.lighting(scene)
+    lights = dict(zip((row.name for row in settings.light_groups), chosen["lights"], strict=True))
+    return CoefficientImage(
+        model=settings.model(),
+        groups={},
+        illuminants={group: light.illuminant for group, light in lights.items()},
+        alpha=np.empty((0, 0), np.float32),
+        space=bpy.data.colorspace.working_space,
+        white_balance=settings.white_balance,
+        white_balance_method=settings.white_balance_method,
+        view=_view_of(scene),
+        gains={group: light.gain for group, light in lights.items()},
+        white=None if chosen["white"] is None else tuple(map(float, chosen["white"])),
+        observer=chosen["observer"],
     )
 
 
