@@ -60,12 +60,29 @@ def _arguments(in_blender: bool) -> argparse.ArgumentParser:
         default=[],
         help="what lights a group; the others stay as they were rendered",
     )
+    relight.add_argument(
+        "--scene",
+        dest="blend",
+        metavar="SCENE.blend",
+        type=Path,
+        help="what the file was rendered from, for renders whose note does not say enough",
+    )
+    relight.add_argument("--layer", metavar="NAME", help="one of the artist's view layers; default: the first")
     relight.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
     relight.add_argument(
         "--out", type=Path, metavar="PICTURE", required=True, help="PICTURE.png, .tif or .exr; with #### for a sequence"
     )
     relight.add_argument(
         "--resume", action="store_true", help="keep the pictures that are there and newer than their coefficients"
+    )
+
+    describe = commands.add_parser("describe", help="a sidecar for what other Blenders render of a scene")
+    if in_blender:
+        describe.set_defaults(scene=None)
+    else:
+        describe.add_argument("scene", metavar="SCENE.blend", type=Path)
+    describe.add_argument(
+        "--out", type=Path, metavar="FILE.json", help="default: SCENE.relume.json; put it beside the EXRs"
     )
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
@@ -117,14 +134,21 @@ class Failure(Exception):
 
 def _run(arguments: argparse.Namespace) -> None:
     from ..core import figures
-    from . import demo, jobs, report
+    from . import demo, describe, jobs, report
 
     if arguments.command == "render":
         if arguments.scene is not None:
             _open(arguments.scene)
         jobs.render_scene(bpy.context.scene, arguments)
     elif arguments.command == "relight":
+        if arguments.blend is not None:
+            _open(arguments.blend)
+        arguments.described = describe.of_open_file() if arguments.blend is not None else None
         jobs.relight_file(arguments)
+    elif arguments.command == "describe":
+        if arguments.scene is not None:
+            _open(arguments.scene)
+        jobs.describe_scene(arguments.out)
     elif arguments.command == "report":
         if arguments.scene is not None:
             _open(arguments.scene)

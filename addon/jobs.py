@@ -11,11 +11,11 @@ from pathlib import Path
 
 import bpy
 
-from ..core import coefficients, library, sequences, view
-from . import denoise, render, setup
+from ..core import coefficients, description, library, sequences, view
+from . import denoise, describe, render, setup
 from .setup import SetupError
 
-__all__ = ["Progress", "file_name", "relight_file", "render_scene", "writable"]
+__all__ = ["Progress", "describe_scene", "file_name", "relight_file", "render_scene", "writable"]
 
 
 class Progress:
@@ -174,8 +174,13 @@ def relight_file(arguments):
         raise ValueError(f"{arguments.out}: a picture's name ends in {', '.join(render.FORMATS)}")
     sources = _sources(arguments.coefficients, arguments.out)
     waiting = {out: source for out, source in sources.items() if not (arguments.resume and _is_newer(out, source))}
-    for source in waiting.values():
-        _lights_of(coefficients.describe(source), arguments.light)  # tells what is wrong before any picture is made
+    found = coefficients.describe_all(waiting.values(), arguments.described, arguments.layer)
+    for source, image in zip(waiting.values(), found, strict=True):  # tells what is wrong before any picture is made
+        _lights_of(image, arguments.light)
+        if arguments.out.suffix.lower() != ".exr":
+            render.check_view(source, image)
+    if waiting:
+        _remark(next(iter(waiting.values())), arguments)
     writable(arguments.out.parent)
     for number, (out, image, rgb) in enumerate(_relit(waiting, arguments), 1):
         render.save_picture(out, rgb, image)
@@ -183,6 +188,27 @@ def relight_file(arguments):
         if len(sources) > 1:
             done = len(sources) - len(waiting) + number
             print(f"relit {done} of {len(sources)}", file=sys.stderr, flush=True)
+
+
+def _remark(source: Path, arguments):
+    """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
+    if coefficients.is_own(source):
+        return
+    found = description.of_file(source, arguments.described)
+    first, *others = found.layers
+    if others and arguments.layer is None:
+        print(f"relume: took view layer {first!r}; --layer takes {', '.join(map(repr, others))}", file=sys.stderr)
+    if found.animated:
+        print("relume: the mix is animated; took that of the frame at which the scene was saved", file=sys.stderr)
+
+
+def describe_scene(out: Path | None):
+    """`relume describe`: a sidecar for what other Blenders render of the open file."""
+    described = describe.of_open_file()
+    out = out or Path(f"{Path(bpy.data.filepath).stem or 'untitled'}{description.SUFFIX}")
+    writable(out.parent)
+    description.write(out, described)
+    print(out)
 
 
 def _sources(path: Path, out: Path) -> dict[Path, Path]:
@@ -203,7 +229,7 @@ def _relit(waiting: dict[Path, Path], arguments):
 
     def relit(item):
         out, source = item
-        image = coefficients.read(source)
+        image = coefficients.read(source, arguments.described, arguments.layer)
         return out, image, render.picture(image, _lights_of(image, arguments.light), arguments.white)
 
     cores = os.cpu_count() or 1

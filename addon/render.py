@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,10 +12,10 @@ import numpy as np
 
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
-from ..core.errors import RenderError
+from ..core.errors import CoefficientImageError, RenderError
 from . import passes, setup
 
-__all__ = ["FORMATS", "RenderError", "Rendered", "described", "picture", "render", "save_picture"]
+__all__ = ["FORMATS", "RenderError", "Rendered", "check_view", "described", "picture", "render", "save_picture"]
 
 
 @dataclass(frozen=True)
@@ -166,6 +166,29 @@ def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balanc
     return coefficients.recombine(list(image.groups.values()), matrices)
 
 
+def _show(scene, chosen: Mapping[str, object]):
+    """Have a scene show pictures as `CoefficientImage.view` says. Raises CoefficientImageError."""
+    for name, value in {"display_device": "sRGB", "view_transform": "Standard", **chosen}.items():
+        try:
+            setattr(scene.display_settings if name == "display_device" else scene.view_settings, name, value)
+        except TypeError:
+            raise CoefficientImageError(
+                f"view, {name}: this Blender has no {value!r}; write .exr, which is linear, or start it with the OCIO "
+                "configuration of the render"
+            ) from None
+
+
+def check_view(path: Path, image: CoefficientImage):
+    """Raise CoefficientImageError that names the EXR where this Blender cannot show its picture as it was rendered."""
+    scene = bpy.data.scenes.new("Relume view")
+    try:
+        _show(scene, image.view)
+    except CoefficientImageError as error:
+        raise CoefficientImageError(f"{path}: {error}") from None
+    finally:
+        bpy.data.scenes.remove(scene)
+
+
 FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
 
 
@@ -187,11 +210,8 @@ def save_picture(path: Path, rgb, image: CoefficientImage):
         settings = scene.render.image_settings
         settings.media_type, settings.file_format, settings.color_depth = "IMAGE", file_format, depth
         settings.color_mode = "RGBA" if (image.alpha < 1.0).any() else "RGB"
-        shown = dict(image.view)
-        if "display_device" in shown:
-            scene.display_settings.display_device = shown.pop("display_device")
-        for name, value in {"view_transform": "Standard", **shown}.items():
-            setattr(scene.view_settings, name, value)
+        if file_format != "OPEN_EXR":  # which is linear
+            _show(scene, image.view)
         scene.render.dither_intensity = 0.0
         buffer.save_render(str(partial), scene=scene)
         coefficients.read_rgb(partial)  # Blender says nothing when it cannot write the whole of a file

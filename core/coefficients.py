@@ -28,6 +28,7 @@ __all__ = [
     "channel_names",
     "describe",
     "describe_all",
+    "is_own",
     "read",
     "read_guides",
     "read_render",
@@ -111,6 +112,11 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
         os.replace(partial, path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def is_own(path: str | Path) -> bool:
+    """Whether an EXR is one that `write` wrote."""
+    return exr.attribute(path, _HEADER) is not None
 
 
 def _described(path: Path, scene: Description | None, layer: str | None) -> tuple[CoefficientImage, tuple[str, ...]]:

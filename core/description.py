@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from . import exr
-from .coefficient_image import CoefficientImage
+from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
 from .errors import CoefficientImageError
 
 __all__ = ["Description", "of_file", "read", "to_json", "write"]
@@ -57,6 +57,8 @@ def from_json(text: str) -> Description:
     image, layers, mix = header.parse(text)
     if not layers:
         raise CoefficientImageError("layers is missing")
+    if EVERYTHING_ELSE in list(image.illuminants)[:-1]:
+        raise CoefficientImageError(f"groups: {EVERYTHING_ELSE!r} comes last")
     for source, names in layers.items():
         if len(names) != image.model.passes:
             raise CoefficientImageError(f"layers, {source!r}: expected {image.model.passes} names, got {len(names)}")
@@ -142,5 +144,5 @@ def _layers(found, passes: int) -> dict[str, tuple[str, ...]]:
         source, *names = [each] if isinstance(each, str) else each
         layers[source] = tuple(names) if names else tuple(f"{source} {k + 1}" for k in range(passes))
         if len(layers[source]) != passes:
-            raise CoefficientImageError(f"the note: view layer {source!r} needs {passes} passes, has {len(names)}")
+            raise CoefficientImageError(f"the Relume note is damaged: view layer {source!r} needs {passes} passes, has {len(names)}")
     return layers

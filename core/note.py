@@ -16,7 +16,7 @@ import numpy as np
 from msgspec import Meta, Struct
 
 from . import bases, grouping, header, library, mixing
-from .coefficient_image import CoefficientImage
+from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
 from .errors import CoefficientImageError, RelumeError
 from .factor_model import FactorModel
 from .view import OBSERVER
@@ -156,19 +156,24 @@ def read(text: str) -> Note | None:
         return None
     if int(found[1]) > VERSION:
         raise CoefficientImageError(f"the note was written by a newer Relume (format {found[1]})")
-    return header.decoded(Note, found[2].rstrip())
+    try:
+        return header.decoded(Note, found[2].rstrip())
+    except CoefficientImageError as error:
+        raise CoefficientImageError(f"the Relume note is damaged: {error}") from None
 
 
 @lru_cache(maxsize=64)
 def _image(text: str, model: FactorModel) -> CoefficientImage:
     note = read(text)
-    groups = [light.group for light in note.lights]
+    # A render's combined pass stands for what no group holds: it comes last
+    lights = sorted(note.lights, key=lambda light: light.group == EVERYTHING_ELSE)
+    groups = [light.group for light in lights]
     if len(set(groups)) < len(groups):
-        raise CoefficientImageError("the note names a light group twice")
+        raise CoefficientImageError("the Relume note is damaged: a light group stands there twice")
     try:
-        illuminants = {light.group: _illuminant(light.illuminant) for light in note.lights}
+        illuminants = {light.group: _illuminant(light.illuminant) for light in lights}
     except RelumeError as error:
-        raise CoefficientImageError(f"the note's lights: {error}") from None
+        raise CoefficientImageError(f"the Relume note is damaged: lights: {error}") from None
     described = CoefficientImage(
         model=model,
         groups={},
@@ -178,7 +183,7 @@ def _image(text: str, model: FactorModel) -> CoefficientImage:
         white_balance=note.degree,
         white_balance_method=note.method,
         view=msgspec.structs.asdict(note.view),
-        gains={light.group: light.gain for light in note.lights},
+        gains={light.group: light.gain for light in lights},
         white=None if note.white is None else tuple(note.white),
         observer=note.observer,
     )
