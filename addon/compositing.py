@@ -131,7 +131,7 @@ def rename(scene, before: str, after: str):
 
 
 def _as_rendered(scene, matrices):
-    """Matrices for the images that the scene composites: a render's last may hold all light, Relume's own file's never."""
+    """Matrices for the images that the scene composites: a render's last may hold all light, Relume's files' never."""
     rows, own = scene.relume.light_groups, scene.relume.exr and properties.STOCK not in scene
     return view.for_passes(matrices) if not own and rows[-1].name == EVERYTHING_ELSE else matrices
 

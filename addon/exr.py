@@ -109,17 +109,28 @@ def point_at(scene, path: Path):
         raise CoefficientImageError(
             f"{path}: has other view layers than the file before: open it with Relight from EXR in a new scene"
         )
+    tree = scene.compositing_node_group
+    shown = [node for node in tree.nodes if node.type == "IMAGE" and node.image]
     with _all_or_nothing():
         picture = _load(files, path)
-    shown = set()
-    for node in scene.compositing_node_group.nodes:
-        if node.type == "IMAGE":
-            shown.add(node.image)
-            _show(node, picture, files)
-    _remember(scene, files, path, image, described)
-    for old in shown - {None}:
+    for old in {_swap(tree, node, picture, files) for node in shown}:
         if old.users == 0:
             bpy.data.images.remove(old)
+    _remember(scene, files, path, image, described)
+
+
+def _swap(tree, node, picture, files: dict[int, Path]):
+    """Give an Image node another picture, and return the one before; layer and links stay.
+
+    Blender keeps the number of a layer, not its name: the other file may have it elsewhere, and sockets come and go.
+    """
+    old, layer = node.image, node.layer
+    fed = [(socket.name, link.to_socket) for socket in node.outputs for link in socket.links]
+    _show(node, picture, files)
+    node.layer = layer
+    for name, target in fed:
+        tree.links.new(node.outputs[name], target)
+    return old
 
 
 def read_current(scene) -> coefficients.CoefficientImage:

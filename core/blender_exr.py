@@ -15,6 +15,8 @@ from .factor_model import FactorModel
 
 __all__ = ["light_pass", "read_guides", "read_render", "read_render_times", "size"]
 
+_COMPLETE = "render all view layers of the scene as it was set up"
+
 
 def light_pass(group: str) -> str:
     """Name of the render pass that holds a light group; Blender has no dots in the names of passes."""
@@ -39,7 +41,7 @@ def _check(path: Path, wanted: Sequence[str], found: Iterable[str], why: str) ->
 def size(path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]) -> tuple[int, int]:
     """(width, height) of a render whose coefficient passes are all there and whole. Raises CoefficientImageError."""
     path, wanted = Path(path), _wanted(model, layers, groups)
-    _check(path, wanted, exr.names(path), "render every view layer and light group of the scene as it was set up")
+    _check(path, wanted, exr.names(path), _COMPLETE)
     return exr.size(path, wanted)
 
 
@@ -52,7 +54,7 @@ def read_render(
     them is worked out from the combined pass. Returns {group: (height, width, p) float32} and (height, width) alpha.
     """
     path, wanted, alpha = Path(path), _wanted(model, layers, groups), f"{layers[0]}.Combined.A"
-    _check(path, wanted, exr.names(path), "set the spectral render up again")
+    _check(path, wanted, exr.names(path), _COMPLETE)
     channels = exr.channels(path, wanted, optional=(alpha,))
 
     def stacked(group: str) -> np.ndarray:

@@ -144,5 +144,7 @@ def _layers(found, passes: int) -> dict[str, tuple[str, ...]]:
         source, *names = [each] if isinstance(each, str) else each
         layers[source] = tuple(names) if names else tuple(f"{source} {k + 1}" for k in range(passes))
         if len(layers[source]) != passes:
-            raise CoefficientImageError(f"the Relume note is damaged: view layer {source!r} needs {passes} passes, has {len(names)}")
+            raise CoefficientImageError(
+                f"the Relume note is damaged: view layer {source!r} needs {passes} passes, has {len(names)}"
+            )
     return layers
