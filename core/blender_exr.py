@@ -13,7 +13,7 @@ from .coefficient_image import EVERYTHING_ELSE
 from .errors import CoefficientImageError
 from .factor_model import FactorModel
 
-__all__ = ["light_pass", "read_guides", "read_render", "read_render_times", "size"]
+__all__ = ["check_unknown", "light_pass", "read_guides", "read_render", "read_render_times", "size"]
 
 _COMPLETE = "render all view layers of the scene as it was set up"
 
@@ -66,6 +66,19 @@ def read_render(
         coefficients[EVERYTHING_ELSE] = stacked(EVERYTHING_ELSE) - sum(coefficients.values())
     shape = next(iter(coefficients.values())).shape[:2]
     return {group: coefficients[group] for group in groups}, channels.get(alpha, np.ones(shape, dtype=np.float32))
+
+
+def check_unknown(path: str | Path, layers: Sequence[str], groups: Sequence[str]) -> None:
+    """Raise CoefficientImageError where a light group that is not among `groups` shines: its light would be lost."""
+    known = {light_pass(group) for group in groups}
+    first = f"{layers[0]}.Combined_"
+    unknown = [n for n in exr.names(path) if n.startswith(first) and n[len(layers[0]) + 1 : -2] not in known]
+    for name, values in (exr.channels(path, unknown) if unknown else {}).items():
+        if values.any():
+            raise CoefficientImageError(
+                f"{path}: pass {name[:-2]!r} holds the light of a group that its description does not name; set the "
+                "scene up again, or give the one that was rendered with --scene FILE.blend"
+            )
 
 
 def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:

@@ -184,6 +184,7 @@ def read(path: str | Path, scene: Description | None = None, layer: str | None =
     path = Path(path)
     image, layers = _described(path, scene, layer)
     if layers:
+        blender_exr.check_unknown(path, layers, list(image.illuminants))
         groups, alpha = blender_exr.read_render(path, image.model, layers, list(image.illuminants))
         return replace(image, groups=groups, alpha=alpha)
     names = _names(image)

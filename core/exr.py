@@ -1,5 +1,6 @@
-"""Reading OpenEXR: named channels, checked to be whole, of one size and finite."""
+"""Reading OpenEXR: named channels, checked to be whole and finite."""
 
+import re
 from collections.abc import Collection, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,16 +20,22 @@ def _opened(path: Path):
         raise CoefficientImageError(f"{path}: no such file")
     image = oiio.ImageInput.open(str(path))
     if image is None:
-        raise CoefficientImageError(f"{path}: not an image that can be read ({_line(oiio.geterror())})")
+        raise CoefficientImageError(f"{path}: not an image that can be read ({_reason(oiio)})")
     try:
         yield image
+    except UnicodeDecodeError:
+        raise CoefficientImageError(f"{path}: a name or an attribute in its header is not UTF-8 text") from None
     finally:
         image.close()
 
 
-def _line(message: str) -> str:
-    """A library's message without its line breaks, nor the name of the file at its beginning."""
-    return " ".join(message.split()) or "no reason given"
+def _reason(source) -> str:
+    """The beginning of what OpenImageIO, or an image of its, says of the last error: without line breaks and path."""
+    try:
+        words = " ".join(re.sub(r"EXR Error \(.*?\): ", "", source.geterror()).split())
+    except UnicodeDecodeError:
+        return "names in it are not UTF-8 text"
+    return (words[:117] + "...") if len(words) > 120 else words or "no reason given"
 
 
 def _parts(image):
@@ -43,10 +50,7 @@ def attribute(path: str | Path, name: str) -> str | None:
     """A text in the header of the first part, None where there is none."""
     path = Path(path)
     with _opened(path) as image:
-        try:
-            value = image.spec().getattribute(name)
-        except UnicodeDecodeError:
-            raise CoefficientImageError(f"{path}: the attribute {name!r} in its header is not text") from None
+        value = image.spec().getattribute(name)
     return value if isinstance(value, str) else None
 
 
@@ -57,35 +61,34 @@ def names(path: str | Path) -> list[str]:
 
 
 def size(path: str | Path, wanted: Collection[str]) -> tuple[int, int]:
-    """(width, height) of the wanted channels, all of which are there, uncropped, of one size and not cut short.
+    """(width, height) of the wanted channels, all of which are there, uncropped and not cut short.
 
     Reads their last row only. Raises CoefficientImageError.
     """
     path = Path(path)
     with _opened(path) as image:
-        shape = None
-        for part, spec, _ in _holding(path, image, wanted):
-            shape = _checked(path, spec, wanted, shape)
+        for part, spec, held in _holding(path, image, wanted):
+            _check_part(path, image, spec, held)
             last = spec.y + spec.height - 1
             if not spec.tile_width and image.read_scanlines(part, 0, last, last + 1, 0, 0, 1, "float") is None:
-                raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_line(image.geterror())})")
-    return shape[1], shape[0]
+                raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_reason(image)})")
+        return spec.width, spec.height
 
 
 def channels(path: str | Path, wanted: Collection[str], optional: Collection[str] = ()) -> dict[str, np.ndarray]:
     """Channel name -> (height, width) float32, of the channels with these full names.
 
-    Raises CoefficientImageError where a wanted one is missing, cropped, of another size than the first, or has pixels
-    that are not finite numbers.
+    Raises CoefficientImageError where a wanted one is missing or cropped, or has pixels that are not finite
+    numbers.
     """
-    path, found, shape = Path(path), {}, None
+    path, found = Path(path), {}
     with _opened(path) as image:
         for part, spec, held in _holding(path, image, wanted, optional):
-            shape = _checked(path, spec, {*wanted, *optional}, shape)
+            _check_part(path, image, spec, held)
             first, last = min(held.values()), max(held.values()) + 1
             block = image.read_image(part, 0, first, last, "float")
             if block is None:
-                raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_line(image.geterror())})")
+                raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_reason(image)})")
             block = np.asarray(block).reshape(spec.height, spec.width, last - first)
             chosen = {name: block[..., index - first] for name, index in held.items()}
             _check_finite(path, chosen)
@@ -110,9 +113,12 @@ def _holding(path: Path, image, wanted: Collection[str], optional: Collection[st
     return holding
 
 
-def _checked(path: Path, spec, wanted: Collection[str], first: tuple[int, int] | None) -> tuple[int, int]:
-    """(height, width) of a part that is flat, not cropped, and of the size of the first."""
-    name = next(name for name in spec.channelnames if name in wanted)
+def _check_part(path: Path, image, spec, held: Mapping[str, int]) -> None:
+    """A part that is flat and not cropped has the size of the picture, which all parts share."""
+    for name, index in held.items():
+        if image.format_name() == "openexr" and str(spec.channelformat(index)) not in ("half", "float"):
+            raise CoefficientImageError(f"{path}: channel {name!r} holds whole numbers; expected half or full float")
+    name = next(iter(held))
     window = (spec.x, spec.y, spec.width, spec.height)
     whole = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if spec.deep:
@@ -122,11 +128,6 @@ def _checked(path: Path, spec, wanted: Collection[str], first: tuple[int, int] |
             f"{path}: channel {name!r} is cropped to {window[2]} × {window[3]} at {window[0]}, {window[1]} "
             f"of {whole[2]} × {whole[3]}; expected the whole picture"
         )
-    if first not in (None, (spec.height, spec.width)):
-        raise CoefficientImageError(
-            f"{path}: channel {name!r} is {spec.width} × {spec.height}, the first is {first[1]} × {first[0]}"
-        )
-    return spec.height, spec.width
 
 
 def _check_finite(path: Path, pixels: Mapping[str, np.ndarray]) -> None:

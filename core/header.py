@@ -31,7 +31,7 @@ _LONGEST = 64 << 20  # characters of a description; a scene model of 1,000 refle
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
 Degree = Annotated[float, Meta(ge=0, le=1)]
 Gain = Annotated[float, Meta(ge=0, le=LARGEST_GAIN)]
-Name = Annotated[str, Meta(max_length=1000)]
+Name = Annotated[str, Meta(max_length=250)]
 White = Annotated[list[Number], Meta(min_length=3, max_length=3)]
 Samples = Annotated[list[Number], Meta(min_length=1, max_length=100_000)]
 
@@ -39,9 +39,9 @@ Samples = Annotated[list[Number], Meta(min_length=1, max_length=100_000)]
 class SpectrumText(Struct):
     wavelengths: Samples
     values: Samples
-    name: str = ""
-    kind: str = "reflectance"
-    source: str = ""
+    name: Annotated[str, Meta(max_length=10_000)] = ""
+    kind: Name = "reflectance"
+    source: Annotated[str, Meta(max_length=10_000)] = ""
 
 
 Exposure = Annotated[float, Meta(ge=-32, le=32)]  # Blender's own limits
@@ -65,18 +65,18 @@ class _Version(Struct):
 class _Description(Struct):
     """Version 1. `layers` and `mix` are a sidecar's."""
 
-    model: dict[str, str | list[float | list[float]]]
+    model: dict[str, Name | list[float | list[float]]]
     groups: Annotated[list[Name], Meta(min_length=1, max_length=1000)]
     illuminants: dict[str, SpectrumText]
-    space: str
+    space: Name
     white_balance: Degree
-    white_balance_method: str
+    white_balance_method: Name
     view: View
     gains: dict[str, Gain] = {}
     white: White | None = None
-    observer: str | Annotated[list[SpectrumText], Meta(min_length=3, max_length=3)] = OBSERVER
+    observer: Name | Annotated[list[SpectrumText], Meta(min_length=3, max_length=3)] = OBSERVER
     layers: dict[str, list[Name]] = {}
-    mix: str = ""
+    mix: Name = ""
 
 
 def to_dict(image: CoefficientImage, groups=None) -> dict[str, Any]:

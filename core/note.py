@@ -44,7 +44,10 @@ class Light(Struct, array_like=True):
     """What shines in a light group: the name of an illuminant, or the names and weights of a blend."""
 
     group: header.Name
-    illuminant: str | Annotated[list[tuple[str, header.Degree | header.Gain]], Meta(min_length=1, max_length=100)]
+    illuminant: (
+        header.Name
+        | Annotated[list[tuple[header.Name, header.Degree | header.Gain]], Meta(min_length=1, max_length=100)]
+    )
     gain: header.Gain = 1.0
 
 
@@ -65,17 +68,17 @@ class Note(Struct):
     its coefficient passes where they have others than set-up gave them. animated: the mix is that of one frame.
     """
 
-    model: tuple[str, Annotated[int, Meta(ge=1, le=1000)], str]
+    model: tuple[header.Name, Annotated[int, Meta(ge=1, le=1000)], header.Name]
     layers: Annotated[
         list[header.Name | Annotated[list[header.Name], Meta(min_length=1, max_length=100)]], Meta(min_length=1)
     ]
     lights: Annotated[list[Light], Meta(max_length=1000)] = []
-    mix: str = ""
+    mix: header.Name = ""
     degree: header.Degree = 0.0
-    method: str = "bradford"
+    method: header.Name = "bradford"
     white: header.White | None = None
-    observer: str = OBSERVER
-    space: str = "Linear Rec.709"
+    observer: header.Name = OBSERVER
+    space: header.Name = "Linear Rec.709"
     view: View = View()
     animated: bool = False
 

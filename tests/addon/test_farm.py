@@ -201,16 +201,6 @@ def test_what_is_missing_or_cropped_is_named(farm, tmp_path):
         with pytest.raises(CoefficientImageError, match=r"cropped.exr: .* .ViewLayer 3.* is cropped to 44 × 36 at 4"):
             read(path)
 
-    def smaller(spec, pixels):
-        if spec.channelnames[0].startswith("ViewLayer 2.Combined_"):
-            spec.height, spec.full_height = 20, 20
-            return spec, pixels[:20]
-        return spec, pixels
-
-    path = rewritten(farm / "parts.exr", tmp_path / "smaller.exr", smaller)
-    with pytest.raises(CoefficientImageError, match=r"smaller.exr: .*ViewLayer 2.Com.* is 48 × 20, the first is"):
-        coefficients.read(path)
-
 
 def test_a_render_without_a_note_says_what_to_do_and_takes_the_scene(farm, tmp_path, capsys):
     path = rewritten(farm / "parts.exr", tmp_path / "bare.exr", note_text="the artist's own")
