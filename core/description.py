@@ -11,7 +11,7 @@ from pathlib import Path
 
 from . import exr
 from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
-from .errors import CoefficientImageError
+from .errors import CoefficientImageError, ResultError
 
 __all__ = ["Description", "of_file", "read", "to_json", "write"]
 
@@ -77,12 +77,15 @@ def read(path: str | Path) -> Description:
 
 
 def write(path: str | Path, description: Description) -> None:
-    """Write a sidecar, whole or not at all. Raises OSError."""
+    """Write a sidecar, whole or not at all. Raises ResultError."""
     path = Path(path)
     partial = path.with_name(f".{path.name}.partial")
+    text = to_json(description)
     try:
-        partial.write_text(to_json(description), encoding="utf-8")
+        partial.write_text(text, encoding="utf-8")
         os.replace(partial, path)
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be written ({error.strerror})") from error
     finally:
         partial.unlink(missing_ok=True)
 

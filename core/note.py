@@ -88,8 +88,7 @@ def model_checksum(model: FactorModel) -> str:
     """Ten digits that stand for a model, the same for one that another machine made with last bits of its own."""
     described = model.to_dict()
     digest = hashlib.sha256()
-    for name in sorted(described):
-        value = described[name]
+    for name, value in sorted((name, value) for name, value in described.items() if value is not None):
         digest.update(name.encode())
         digest.update(value.encode() if isinstance(value, str) else (np.rint(np.array(value) * 1e6) + 0.0).tobytes())
     return digest.hexdigest()[:10]
