@@ -100,8 +100,8 @@ def _sidecars(path: Path) -> list[Path]:
 def of_file(path: str | Path, scene: Description | None = None) -> Description:
     """The description of an EXR that Blender wrote.
 
-    scene: that of the scene which it was rendered from, instead of the mix in the note and of sidecars. Raises
-    CoefficientImageError where it is another scene's, and where there is none.
+    scene: that of the scene which it was rendered from, instead of the mix in the note and of sidecars. A file without
+    a note takes the sidecar of its name. Raises CoefficientImageError where it is another scene's, or there is none.
     """
     from . import note
 
@@ -118,11 +118,14 @@ def of_file(path: str | Path, scene: Description | None = None) -> Description:
             )
         return scene
     if found is None:
-        rendered = exr.attribute(path, "File")
-        rendered = f" ({Path(rendered).name})" if rendered and rendered.strip("<>") == rendered else ""
+        named = [sidecar for sidecar in _sidecars(path) if sidecar.name != SUFFIX[1:]]
+        if named:
+            return read(named[0])
+        rendered = exr.attribute(path, "File") or ""
+        rendered = f" ({Path(rendered).name})" if rendered.endswith(".blend") else ""
         raise CoefficientImageError(
-            f"{path}: no Relume header and no Relume note; give the scene{rendered} with --scene FILE.blend, or set it "
-            "up and save it with this Relume, then render again"
+            f"{path}: no Relume header and no Relume note; give the scene{rendered} with --scene FILE.blend, or write "
+            f"{path.stem}{SUFFIX} beside the file with relume describe"
         )
     given, missing, sidecars = None, note.missing(found), _sidecars(path)
     if missing:

@@ -211,6 +211,12 @@ def test_a_render_without_a_note_says_what_to_do_and_takes_the_scene(farm, tmp_p
     )
     assert commands.execute([*command, "--scene", str(farm / "room.blend")]) == 0
     np.testing.assert_array_equal(coefficients.read_rgb(tmp_path / "x.exr"), lit(farm / "own.exr"))
+    assert commands.execute(["describe", str(farm / "room.blend"), "--out", str(tmp_path / "relume.json")]) == 0
+    assert commands.execute(command) == 1, "who knows whose that is"
+    (tmp_path / "relume.json").rename(tmp_path / "bare.relume.json")
+    assert exr.new_scene(path).relume.light_groups[0].name == NAME
+    assert commands.execute(command) == 0
+    np.testing.assert_array_equal(coefficients.read_rgb(tmp_path / "x.exr"), lit(farm / "own.exr"))
 
 
 def test_a_scene_of_the_first_version_still_works(farm, tmp_path):
