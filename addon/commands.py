@@ -18,16 +18,22 @@ __all__ = ["blender_command", "execute", "main", "register", "unregister"]
 
 def _run(told: argparse.Namespace):
     from ..core import figures
-    from . import demo, jobs, report
+    from . import demo, describe, jobs, report
 
     if getattr(told, "scene", None) is not None:
         open_scene(located(told.scene))
-    told.out = located(told.out)
+    if told.out is not None:
+        told.out = located(told.out)
     if told.command == "render":
         jobs.render_scene(bpy.context.scene, told)
     elif told.command == "relight":
-        told.coefficients = located(told.coefficients)
+        told.coefficients, told.described = located(told.coefficients), None
+        if told.blend is not None:
+            open_scene(located(told.blend))
+            told.described = describe.of_open_file()
         jobs.relight_file(told)
+    elif told.command == "describe":
+        jobs.describe_scene(told.out)
     elif told.command == "report":
         report.run(told)
     else:

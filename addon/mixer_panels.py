@@ -129,6 +129,8 @@ def _draw_output(layout, settings):
     body.operator("relume.inspect", icon="EYEDROPPER")
     if settings.exr:
         words(body, f"Lit from {settings.exr}")
+    else:
+        body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
 
 

@@ -25,6 +25,7 @@ __all__ = [
 
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
+STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
 REFERENCE_BANDS = 36
 
 AUTO = "auto"

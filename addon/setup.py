@@ -21,6 +21,7 @@ from . import (
     lights,
     mixer,
     nodes,
+    note,
     passes,
     properties,
     remarks,
@@ -292,6 +293,7 @@ def _remove(scene):
 def _take_out(scene):
     """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
     compositing.remove(scene)
+    note.remove(scene)
     passes.remove(scene)
     render_settings.give_back(scene)
     _take_back_illuminants(scene)
