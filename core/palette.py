@@ -55,7 +55,7 @@ def metamers(illuminant, count, seed=20040601):
         if up == down:
             continue
         base = Spectrum(WAVELENGTHS, 0.1 + 0.4 * (values[first] + values[second]))
-        direction = Spectrum(WAVELENGTHS, values[up] - values[down])
+        direction = Spectrum(WAVELENGTHS, values[up] - values[down], kind="sensitivity")  # of either sign
         other = metamer(base, direction, [illuminant], amount=0.95)
         pairs.append([base.values, other.values])
     return np.array(pairs)
