@@ -11,6 +11,8 @@ from .measurement import MOST, Measurement
 __all__ = ["measurements"]
 
 _BAND = re.compile(r"(?:SPECTRAL_)?(NM|R|SPEC|PCT|DEC)_?([0-9]{3,4}(?:\.[0-9]+)?)", re.IGNORECASE)
+_NEARLY_A_BAND = re.compile(r"SPECTRAL_.*|(?:NM|R|SPEC|PCT|DEC)[^A-Z].*|.*[0-9]{3}", re.IGNORECASE)
+_WORD = re.compile(r'"([^"]*)"(?!\S)|(\S+)')
 _LABELS = ("SAMPLE_NAME", "SAMPLE_ID", "SAMPLE_LOC")
 
 
@@ -19,7 +21,7 @@ def measurements(text: str, name: str) -> list[Measurement]:
     found, fields, section, norm, rows = [], [], None, 1.0, 0
     said = {}  # NUMBER_OF_FIELDS, NUMBER_OF_SETS of this table
     for line, row in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
-        words = [quoted or plain for quoted, plain in re.findall(r'"([^"]*)"|([^\s"]+)', row)]
+        words = [quoted or plain for quoted, plain in _WORD.findall(row)]
         if not words or row.lstrip().startswith("#"):
             continue
         if words[0] in ("BEGIN_DATA_FORMAT", "BEGIN_DATA"):
@@ -62,6 +64,9 @@ def _measurement(fields, cells, line, norm, name):
     bands = {place: match for place, field in enumerate(fields) if (match := _BAND.fullmatch(field))}
     if not bands:
         return None
+    for place, field in enumerate(fields):
+        if place not in bands and _NEARLY_A_BAND.fullmatch(field):
+            raise SpectrumError(f"the field {field[:40]!r} does not end in a wavelength in nm")
     values = {place: number(cells[place]) for place in bands}
     for place, value in values.items():
         if value is None:

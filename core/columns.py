@@ -51,9 +51,10 @@ def measurement(text: str, name: str) -> Measurement:
     head = []
     if first == 1:
         head = _stripped(_cells(rows[0], separator))
-        _check_heading(head, numbers[0])
-        rows, numbers = rows[1:], numbers[1:]
+        line, rows, numbers = numbers[0], rows[1:], numbers[1:]
     count = _count(rows[0], separator, head)
+    if head:
+        _check_heading(head, line, count)
     if count - 1 > MOST:
         raise SpectrumError(f"line {numbers[0]}: has {count} columns; a file may hold {MOST} spectra")
     _check_commas(rows, numbers, separator, head, count)
@@ -106,10 +107,10 @@ def _unquoted(row, separator, line):
     return "\t".join(cell.replace("\t", " ").strip() for cell in cells)
 
 
-def _check_heading(head, line):
+def _check_heading(head, line, count):
     """Raises SpectrumError where the first line is a damaged line of numbers, not a heading."""
-    if head and _OF_WAVELENGTHS.search(head[0]):
-        return
+    if len(head) == count and _OF_WAVELENGTHS.search(head[0]):
+        return  # spectra may be numbered
     for cell in head[1:]:
         if _STARTS_AS_NUMBER.match(cell) or cell.lower() in _NOT_A_NAME:
             raise SpectrumError(f"line {line}: {head[0][:40]!r} is not a number, and {cell[:40]!r} is no heading")

@@ -14,8 +14,8 @@ MOST = 100_000  # spectra in a file
 _LONGEST = 200  # characters of a name
 _FLUORESCENT = 1.0 + NOISE  # a greater reflectance is remarked upon
 
-_PER_CENT = r"[(\[]?\s*(?:%|\bper\s?cent(?:age)?\b|\bpct\b)\s*[)\]]?"
-_AMOUNT = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:%|per\s?cent)", re.IGNORECASE)
+_PER_CENT = r"[(\[]?\s*(?:%|(?<![a-z])(?:in[\s_])?per[\s_]?cent(?:age)?(?![a-z])|(?<![a-z])pct(?![a-z]))\s*[)\]]?"
+_AMOUNT = re.compile(r"(?<![\w.])\d[\d.,]*\s*(?:%|per[\s_]?cent)", re.IGNORECASE)
 
 # How a heading calls the unit of its wavelengths, what it is called here, and the nanometres that it stands for
 _UNITS = (

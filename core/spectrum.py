@@ -70,8 +70,6 @@ class Spectrum:
                 f"{where}: the value at {wavelengths[first]:g} nm is {values[first]:g}; "
                 f"{self.kind} is a number from {low:g} to {high:g}"
             )
-        if self.kind in _ZERO_OUTSIDE and 0 < np.abs(values).max() < 1 / _GREATEST:
-            raise SpectrumError(f"{where}: its greatest value is {np.abs(values).max():g}, too little to compute with")
         order = np.argsort(wavelengths, kind="stable")
         wavelengths, values = wavelengths[order], values[order]
         repeated = np.flatnonzero(np.diff(wavelengths) <= 0)
