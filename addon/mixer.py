@@ -223,6 +223,14 @@ class LightGroup(PropertyGroup):
         mix_changed(self, bpy.context)
 
     @property
+    def origin(self) -> str:
+        """The file that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return stored_spectrum(self.measured).source
+        except ValueError:
+            return ""
+
+    @property
     def label(self) -> str:
         """What shines, in a few words."""
         if self.source == "PLANCKIAN":

@@ -11,7 +11,7 @@ from .measurement import MOST, Measurement
 __all__ = ["measurements"]
 
 _BAND = re.compile(r"(?:SPECTRAL_)?(NM|R|SPEC|PCT|DEC)_?([0-9]{3,4}(?:\.[0-9]+)?)", re.IGNORECASE)
-_NEARLY_A_BAND = re.compile(r"SPECTRAL_.*|(?:NM|R|SPEC|PCT|DEC)[^A-Z].*|.*[0-9]{3}", re.IGNORECASE)
+_NEARLY_A_BAND = re.compile(r"(?:SPEC|NM).*|(?:R|PCT|DEC)[^A-Z].*|.*[0-9]{3}", re.IGNORECASE)
 _WORD = re.compile(r'"([^"]*)"(?!\S)|(\S+)')
 _LABELS = ("SAMPLE_NAME", "SAMPLE_ID", "SAMPLE_LOC")
 
@@ -50,8 +50,8 @@ def measurements(text: str, name: str) -> list[Measurement]:
             said[words[0]] = number(words[1])
         elif words[0] == "SPECTRAL_NORM" and len(words) > 1:  # Argyll: what stands for 1
             norm = number(words[1])
-            if not norm or norm < 0:
-                raise SpectrumError(f"line {line}: SPECTRAL_NORM {words[1][:40]!r} is not a number above 0")
+            if norm not in (1.0, 100.0):
+                raise SpectrumError(f"line {line}: SPECTRAL_NORM is {words[1][:40]!r}, neither 1 nor 100")
     if section:
         raise SpectrumError(f"is cut off: {section} does not end")
     if not found:
@@ -72,14 +72,11 @@ def _measurement(fields, cells, line, norm, name):
         if value is None:
             raise SpectrumError(f"line {line}: {cells[place][:40]!r} in {fields[place]} is not a number")
     label = next((cells[fields.index(field)] for field in _LABELS if field in fields), name)
-    column = np.array(list(values.values()))
     per_cent = norm == 100.0 or all(match[1].upper() == "PCT" for match in bands.values())
-    with np.errstate(over="ignore"):
-        column = column if per_cent else column / norm
     return Measurement(
         np.full(len(bands), line),
         np.array([float(match[2]) for match in bands.values()]),
-        column[:, None],
+        np.array(list(values.values()))[:, None],
         [label],
         per_cent=(per_cent,),
     )

@@ -69,9 +69,9 @@ def measurement(text: str, name: str) -> Measurement:
         names = [without_per_cent(heading) or other for heading, other in zip(head[1:], names, strict=True)]
     elif is_per_cent(" ".join(head)):
         per_cent = [True] * (count - 1)
-    return Measurement(
-        np.array(numbers), values[:, 0], values[:, 1:], names, head[0] if head else "nm", tuple(per_cent)
-    )
+    # Of a title, or a heading that blanks have torn, all but the amounts
+    unit = head[0] if len(head) == count else re.sub(r"(?<![\w-])[0-9][0-9.,]*\s*\w+", "", " ".join(head))
+    return Measurement(np.array(numbers), values[:, 0], values[:, 1:], names, unit, tuple(per_cent))
 
 
 def _separator(row):
@@ -127,12 +127,10 @@ def _check_commas(rows, numbers, separator, head, count):
     """Raises SpectrumError for a file that can be read in two ways."""
     if separator == "," and count > 2 and not any("." in row for row in rows):
         # A heading with a comma in it may have as many parts: "wavelength, nm, R", or "R, old" above 0,5
-        parts = [_cells(row, separator) for row in rows] if len(head) == count else []
-        apart = parts and re.fullmatch(r"\W*(in )?(nm|[µμu]m)\W*", head[1], re.IGNORECASE)
-        flat = any(
-            {cells[place] for cells in parts if len(cells) > place} <= {"0", "1"} for place in range(1, count - 1)
-        )
-        if len(head) != count or apart or flat:
+        cells = [_cells(row, separator)[:count] for row in rows] if len(head) == count else []
+        apart = cells and re.fullmatch(r"\W*(in )?(nm|[µμu]m)\W*", head[1], re.IGNORECASE)
+        flat = [set(column) <= {"0", "1"} for column in zip(*cells, strict=False)][1:]
+        if len(head) != count or apart or any(flat[:-1]) and not flat[-1]:
             raise SpectrumError(
                 f"line {numbers[0]}: {rows[0].strip()[:40]!r} may be {count - 1} spectra, or numbers with decimal "
                 "commas: write decimal points, separate with semicolons, or give every column a heading"

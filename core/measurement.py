@@ -40,7 +40,7 @@ class Measurement(NamedTuple):
     values: np.ndarray
     names: list
     unit: str = "nm"
-    per_cent: tuple | None = None
+    per_cent: tuple = (False,)
 
 
 def is_per_cent(heading: str) -> bool:
@@ -66,7 +66,7 @@ def spectra(found: Measurement, kind: str, source: str) -> list[Spectrum]:
     remarks = []
     wavelengths = _nanometres(found, kind, remarks)
     values = _fractions(found, kind, remarks) if kind == "reflectance" else found.values
-    values = _within(found, values, kind, remarks)
+    values = _within(found, wavelengths, values, kind, remarks)
     _check_samples(found, wavelengths, kind)
     source = ", ".join([source, *dict.fromkeys(remarks)])
     names = [plain_name(name) for name in found.names]
@@ -105,13 +105,13 @@ def _nanometres(found, kind, remarks):
 
 def _fractions(found, kind, remarks):
     """(n, m) reflectances; those in per cent divided by 100."""
-    if found.per_cent is None or not any(found.per_cent):
+    if not any(found.per_cent):
         return found.values
     remarks.append("read as per cent")
     return found.values / np.where(found.per_cent, 100.0, 1.0)
 
 
-def _within(found, values, kind, remarks):
+def _within(found, wavelengths, values, kind, remarks):
     """(n, m) values inside the range of their kind; a meter's noise below 0 is 0. Raises SpectrumError."""
     low, high = RANGES[kind]
     if kind == "illuminant":
@@ -120,11 +120,13 @@ def _within(found, values, kind, remarks):
     if outside.any():
         row, column = np.argwhere(outside)[0]
         where = f"line {found.lines[row]}: " + (f"{found.names[column]!r:.60}: " if len(found.names) > 1 else "")
-        value, nm = found.values[row, column], found.wavelengths[row]
-        if kind == "illuminant" and value < 0:
-            raise SpectrumError(f"{where}the power at {nm:g} nm is negative, {value:g}; an illuminant's is 0 or more")
-        words = f"{where}{value:g} is outside the range of {kind}, {RANGES[kind][0]:g} to {high:g}"
-        if kind == "reflectance" and high < values.max() <= 100 * high:
+        value = f"{found.values[row, column]:g}{' %' if kind == 'reflectance' and found.per_cent[column] else ''}"
+        if kind == "illuminant" and values[row, column] < 0:
+            raise SpectrumError(
+                f"{where}the power at {wavelengths[row]:g} nm is negative, {value}; an illuminant's is 0 or more"
+            )
+        words = f"{where}{value} is outside the range of {kind}, {RANGES[kind][0]:g} to {high:g}"
+        if kind == "reflectance" and not any(found.per_cent) and high < values.max() <= 100 * high:
             words += "; it looks like per cent: write % in the column's heading, or divide by 100"
         raise SpectrumError(words)
     if kind in ("illuminant", "reflectance") and (values < 0).any():

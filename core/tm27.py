@@ -74,9 +74,7 @@ def measurement(data: bytes, name: str, kind: str) -> Measurement:
         raise SpectrumError("is not a TM-27 spectrum: it has no SpectralData")
     quantity = words.get("SpectralQuantity", "").strip()
     if kind not in _QUANTITIES.get(quantity.lower(), (kind,)):
-        raise SpectrumError(
-            f"holds the {quantity} of {'a light' if kind == 'reflectance' else 'a surface'}, not {kind}"
-        )
+        raise SpectrumError(f"holds {quantity}, where {kind} was expected")
     values = np.empty((len(samples), 2))
     for row, (line, pair) in enumerate(zip(lines, samples, strict=True)):
         for column, (cell, what) in enumerate(zip(pair, ("wavelength", "value"), strict=True)):
