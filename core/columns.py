@@ -12,6 +12,7 @@ __all__ = ["measurement", "number"]
 
 _EMPTY = " \t\v\f\xa0;,"  # a line of nothing else is an empty row of a spreadsheet
 _PART = 10_000  # lines that are read at once
+_LONGEST = 500  # characters of a heading that are looked at
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _STARTS_AS_NUMBER = re.compile(r"""[\s"']*[+-]?[.,]?[0-9]""")
 _NOT_A_NAME = {"nan", "inf", "+inf", "-inf", "infinity", "-infinity", "n/a", "na", "null", "none", "-", "--"}
@@ -50,7 +51,7 @@ def measurement(text: str, name: str) -> Measurement:
         separator = "\t"
     head = []
     if first == 1:
-        head = _stripped(_cells(rows[0], separator))
+        head = [cell[:_LONGEST] for cell in _stripped(_cells(rows[0], separator))]
         line, rows, numbers = numbers[0], rows[1:], numbers[1:]
     count = _count(rows[0], separator, head)
     if head:
@@ -64,13 +65,13 @@ def measurement(text: str, name: str) -> Measurement:
     values = _table(rows, numbers, separator, count, with_sign)
     names = [name] if count == 2 else [f"{name} {column}" for column in range(1, count)]
     per_cent = [with_sign] * (count - 1)
+    title = " ".join(head[:50])[:_LONGEST]  # where it is no heading, or one that blanks have torn
     if len(head) == count:
         per_cent = [with_sign or is_per_cent(heading) for heading in head[1:]]
         names = [without_per_cent(heading) or other for heading, other in zip(head[1:], names, strict=True)]
-    elif is_per_cent(" ".join(head)):
+    elif is_per_cent(title):
         per_cent = [True] * (count - 1)
-    # Of a title, or a heading that blanks have torn, all but the amounts
-    unit = head[0] if len(head) == count else re.sub(r"(?<![\w-])[0-9][0-9.,]*\s*\w+", "", " ".join(head))
+    unit = head[0] if len(head) == count else re.sub(r"(?<![\w-])[0-9][0-9.,]*\s*\w+", "", title)  # less its amounts
     return Measurement(np.array(numbers), values[:, 0], values[:, 1:], names, unit, tuple(per_cent))
 
 
