@@ -238,7 +238,9 @@ class LightGroup(PropertyGroup):
         if self.source == "DAYLIGHT":
             return f"Daylight {self.cct:.0f} K"
         if self.source == "FILE":
-            return bpy.path.basename(self.path) or "No file yet"
+            name, origin = bpy.path.basename(self.path), self.origin
+            # A file that was refused is not what shines
+            return origin if origin and not origin.startswith(name) else name or "No file yet"
         if self.source == "BLEND":
             return f"Blend of {len(self.blend)}"
         return self.illuminant

@@ -93,7 +93,7 @@ def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_pat
     row.path = str(bad)
     assert words in ready.relume.problem and "bad.csv" in ready.relume.problem
     assert np.array_equal(sockets(ready), before)
-    assert row.origin == "good.csv"
+    assert row.origin == row.label == "good.csv"
 
 
 def test_how_a_file_was_read_is_told(ready, tmp_path):
