@@ -134,7 +134,9 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
     bl_idname = "relume.assign_spectrum_file"
     bl_label = "Spectrum from File"
 
-    filter_glob: StringProperty(default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie", options={"HIDDEN"})
+    filter_glob: StringProperty(
+        default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie;*.ti3", options={"HIDDEN"}
+    )
 
     def execute(self, context):
         from ..core import files
