@@ -262,6 +262,14 @@ class SceneSettings(PropertyGroup):
         """The observer, as `core.mix.Mix` takes it. Raises SpectrumError for a file that was not read."""
         return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
 
+    @property
+    def observer_origin(self) -> str:
+        """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return _observer_from(self.observer_measured)[0].source
+        except ValueError:
+            return ""
+
     def white(self, model, mix):
         """(3,) XYZ of what becomes white in a `core.mix.Mix`, None for the white of the mix. Raises ValueError."""
         from ..core import recombination

@@ -8,6 +8,7 @@ import numpy as np
 from .factor_model import FactorModel
 from .library import OBSERVER
 from .mix import Light, Mix
+from .recombination import recombination_matrices
 from .spectrum import Spectrum
 
 __all__ = ["EVERYTHING_ELSE", "CoefficientImage"]

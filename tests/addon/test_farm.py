@@ -12,7 +12,7 @@ import pytest
 from test_render import close, composite
 
 from relume.addon import commands, describe, exr, render, setup
-from relume.core import coefficients, description, library, measure, note, view
+from relume.core import coefficients, description, library, measure, note, recombination
 from relume.core.errors import CoefficientImageError
 
 NAME = "Küche, 2 'a'"  # of a light group
@@ -110,8 +110,8 @@ def test_a_stock_render_is_bit_equal_to_a_render_of_relume(farm, tmp_path, name)
 def test_half_floats_cost_less_than_can_be_seen(farm):
     image, half = (coefficients.read(farm / f"{name}.exr") for name in ("own", "half"))
     assert not np.array_equal(image.groups[NAME], half.groups[NAME]), "else this is not half float"
-    lights = {group: view.Light(light, image.gains[group]) for group, light in image.illuminants.items()}
-    white = view.mixed_white(list(lights.values()), image.model)
+    lights = image.mix().lights
+    white = recombination.mixed_white(image.model, image.mix())
     difference = measure.picture_delta_E(coefficients.to_xyz(half, lights), coefficients.to_xyz(image, lights), white)
     assert np.median(difference) < 0.1
 

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from relume.core import bases, coefficients, description, grouping, library, note
+from relume.core import bases, channel_order, coefficients, description, library, note
 from relume.core.errors import CoefficientImageError
 
 
 def of(groups: int, model=None, **chosen) -> note.Note:
-    model = model or grouping.balanced(bases.fitted(9))
+    model = model or channel_order.balanced(bases.fitted(9))
     names = [f"Gruppe Ä {k}" for k in range(groups - 1)] + [coefficients.EVERYTHING_ELSE]
     return note.Note(
         model=(model.name, model.channels, note.model_checksum(model)),
@@ -29,7 +29,7 @@ def test_a_note_says_all_that_it_was_given_and_gives_the_artists_back(own):
     image = note.image_of(text)
     assert image.white == (0.1 + 0.2, 1.0, 1 / 3) and image.white_balance == 0.25 and image.space == "ACEScg"
     assert image.gains == {light.group: 2.0**0.3 for light in said.lights}, "to the last bit"
-    assert image.model.to_dict() == grouping.balanced(bases.fitted(9)).to_dict()
+    assert image.model.to_dict() == channel_order.balanced(bases.fitted(9)).to_dict()
     assert note.read(own) is None
 
 
@@ -53,7 +53,7 @@ def test_what_does_not_fit_is_a_checksum_of_all_that_the_mixer_says():
 @pytest.mark.parametrize("channels", [3, 6, 9, 12, 15, 36])
 def test_shipped_models_are_known_by_name_and_order(channels):
     plain = bases.bands(36) if channels == 36 else bases.fitted(channels)
-    for model in (plain, grouping.balanced(plain)):
+    for model in (plain, channel_order.balanced(plain)):
         assert note.image_of(note.joined("", of(1, model))).model.to_dict() == model.to_dict()
 
 
