@@ -109,7 +109,7 @@ def _wiped(self, context):
 def _denoising_chosen(self, _):
     from . import setup
 
-    if self.is_set_up:
+    if self.shades:
         setup.set_up_afresh(self.id_data)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from relume.core import bases, channel_order, coefficients, description, library, note
 from relume.core.errors import CoefficientImageError
+from relume.core.rules import Fitted
 
 
 def of(groups: int, model=None, **chosen) -> note.Note:
@@ -66,9 +67,8 @@ def test_the_checksum_of_a_model_sees_more_than_its_last_bits():
     swapped = replace(model, filters=model.filters[:, ::-1])
     assert note.model_checksum(swapped) != note.model_checksum(model)
     patches = library.reflectances("colorchecker")
-    assert note.model_checksum(replace(model, reflectances=[each.sampled() for each in patches])) != (
-        note.model_checksum(model)
-    )
+    own = Fitted(reflectances=np.stack([each.sampled() for each in patches]))
+    assert note.model_checksum(replace(model, rule=own)) != note.model_checksum(model)
 
 
 def test_a_newer_note_and_a_cut_one_are_refused_in_words():
