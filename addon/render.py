@@ -56,7 +56,8 @@ def render(
             times = coefficients.read_render_times(path, names)
         except CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
-            raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
+            reason = str(error).replace(str(path), path.name)
+            raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({reason})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
     return Rendered(replace(said, groups=channels, alpha=alpha), times, found)

@@ -20,6 +20,29 @@ def test_render_writes_coefficients_and_pictures(blender_app, tmp_path):
     assert tungsten[0] / tungsten[2] > 1.5 * daylight[0] / daylight[2], "unadapted, tungsten is the redder light"
 
 
+def test_what_is_printed_is_the_commands_own(blender_app, tmp_path):
+    """Blender's own lines, of starting and of opening the file, come before; none while the command runs."""
+    done = blender_app.run(
+        "-b",
+        SCENE,
+        "-c",
+        "relume",
+        "render",
+        "--channels",
+        "3",
+        "--samples",
+        "1",
+        "--out",
+        tmp_path,
+        "--frame",
+        "-2--1",
+    )
+    assert done.returncode == 0
+    assert not [word for word in ("Saved:", "Fra:", "Info:") if word in done.stdout]
+    written = [line for line in done.stdout.splitlines() if line.startswith(str(tmp_path))]
+    assert len(written) == 5 and written[-1] == str(tmp_path / "summary.json")
+
+
 def test_a_failure_is_one_line_and_status_1(blender_app, tmp_path):
     done = blender_app.run("-b", SCENE, "-c", "relume", "render", "--illuminant", "D66", "--out", tmp_path)
     assert done.returncode == 1
