@@ -492,6 +492,22 @@ def test_relight_from_exr_takes_a_forged_exr_or_leaves_nothing(kind, seed, blend
         assert scene.relume.exr == str(path)
 
 
+def test_a_pass_whose_name_is_too_long_for_blender_is_refused_and_nothing_stays(blender, tmp_path):
+    from relume.addon import exr
+
+    long = "g" * 60
+    names, pixels = stock_channels(IMAGE)
+    names = [name.replace("Combined_Key", f"Combined_{long}") for name in names]
+    said = json.dumps(NOTE_JSON | {"lights": [[long, "A"], *NOTE_JSON["lights"][1:]]})
+    path = write_exr(tmp_path / "case.exr", names, pixels, {"Note": f"relume1 {said}"})
+    assert long in coefficients.read(path).groups
+    before = contents(blender)
+    with pytest.raises(CoefficientImageError, match="case.exr: Blender cannot show it .*ggg") as caught:
+        exr.new_scene(path)
+    check_sentence(caught.value, path)
+    assert contents(blender) == before
+
+
 @pytest.mark.parametrize(
     ("field", "value"),
     [("view_transform", "Kodak"), ("look", "Kodak"), ("display_device", "Kodak"), ("look", "AgX - Punchy")],
