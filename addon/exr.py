@@ -43,7 +43,7 @@ def _found(path: Path) -> tuple:
 
 
 @contextmanager
-def _all_or_nothing():
+def _all_or_nothing(path: Path):
     """While it is entered, data-blocks are made; if it fails they go again, and Blender's errors get words."""
     kept = [(collection, set(collection)) for collection in (bpy.data.scenes, bpy.data.images, bpy.data.node_groups)]
     try:
@@ -53,7 +53,7 @@ def _all_or_nothing():
             for block in set(collection) - before:
                 collection.remove(block)
         if isinstance(error, (RuntimeError, LookupError, TypeError)) and not isinstance(error, RelumeError):
-            raise CoefficientImageError(f"Blender cannot read it ({' '.join(str(error).split())})") from error
+            raise CoefficientImageError(f"{path}: Blender cannot show it ({' '.join(str(error).split())})") from error
         raise
 
 
@@ -63,7 +63,7 @@ def new_scene(path: Path):
     Raises CoefficientImageError, SequenceError; then there is no new scene.
     """
     files, image, described = _found(path)
-    with _all_or_nothing():
+    with _all_or_nothing(path):
         scene = bpy.data.scenes.new(f"Relight {path.stem}")
         settings = scene.relume
         scene[properties.MODEL] = json.dumps(image.model.to_dict())
@@ -92,6 +92,8 @@ def point_at(scene, path: Path):
     Raises CoefficientImageError for a file of other light groups or channels, SequenceError; the scene is then
     as it was.
     """
+    from ..core.note import model_checksum
+
     files, image, described = _found(path)
     settings = scene.relume
     groups = [row.name for row in settings.lit]
@@ -100,7 +102,7 @@ def point_at(scene, path: Path):
             f"{path}: has the light groups {', '.join(image.groups)}, the mixer has {', '.join(groups)}"
         )
     before = description.from_json(scene[STOCK]) if STOCK in scene else None
-    if image.model.to_dict() != settings.model().to_dict():
+    if model_checksum(image.model) != model_checksum(settings.model()):
         raise CoefficientImageError(
             f"{path}: was rendered with {image.model.channels} channels, or for another scene; "
             f"the mixer has {settings.model().channels} of its own: open it with Relight from EXR in a new scene"
@@ -111,7 +113,7 @@ def point_at(scene, path: Path):
         )
     tree = scene.compositing_node_group
     shown = [node for node in tree.nodes if node.type == "IMAGE" and node.image]
-    with _all_or_nothing():
+    with _all_or_nothing(path):
         picture = _load(files, path)
     for old in {_swap(tree, node, picture, files) for node in shown}:
         if old.users == 0:

@@ -65,8 +65,11 @@ def _note(scene, *_):
     from . import baking, note, passes, render
 
     if scene.relume.is_set_up and passes.pass_layers(scene) and scene.is_editable:
+        animated = baking.is_animated(scene)
+        if note.is_current(scene, animated):
+            return
         try:
-            note.write(scene, render.described(scene), baking.is_animated(scene))
+            note.write(scene, render.described(scene), animated)
         except (RelumeError, ValueError) as error:
             scene.relume["problem"] = str(error)
 

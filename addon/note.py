@@ -1,10 +1,16 @@
 """The note that a scene's renders carry, by which they can be relit wherever they were rendered (`core.note`)."""
 
-from . import passes
+import hashlib
+import json
 
-__all__ = ["made", "remove", "write"]
+import bpy
+
+from . import mixer, passes, properties
+
+__all__ = ["is_current", "made", "remove", "write"]
 
 _OFF = "relume_note_off"  # on a scene: the artist's own renders carry no note
+_OF = "relume_note_of"  # on a scene: a checksum of all that its note was made of
 
 
 def made(scene, image, animated: bool = False) -> tuple:
@@ -50,6 +56,21 @@ def _layers(source: str, layers) -> str | list[str]:
     return source if names == [f"{source} {k + 1}" for k in range(len(names))] else [source, *names]
 
 
+def _sources(scene, animated: bool) -> str:
+    said = [mixer.choices(scene.relume), scene[properties.MODEL], bpy.data.colorspace.working_space, animated]
+    shown = scene.view_settings
+    said += [shown.view_transform, shown.look, shown.exposure, shown.gamma]
+    said += [scene.display_settings.display_device, scene.render.stamp_note_text]
+    said += [scene.render.use_stamp_note, scene.render.use_stamp]
+    said += [[source, *(layer.name for layer in each)] for source, each in passes.pass_layers(scene).items()]
+    return hashlib.sha256(json.dumps(said).encode()).hexdigest()[:16]
+
+
+def is_current(scene, animated: bool = False) -> bool:
+    """Whether the note says what the scene is now. Quick: nothing of the colour science is imported for it."""
+    return scene.get(_OF) == _sources(scene, animated)
+
+
 def write(scene, image, animated: bool = False):
     """Have a scene's renders say how they are relit, behind what the artist notes. Changes only what differs.
 
@@ -64,6 +85,7 @@ def write(scene, image, animated: bool = False):
     for name, value in {"stamp_note_text": text, "use_stamp_note": text != own or _OFF not in scene}.items():
         if getattr(settings, name) != value:
             setattr(settings, name, value)
+    scene[_OF] = _sources(scene, animated)
 
 
 def remove(scene):
@@ -75,4 +97,6 @@ def remove(scene):
         settings.stamp_note_text = note.without(settings.stamp_note_text)
     if _OFF in scene:
         settings.use_stamp_note = False
-        del scene[_OFF]
+    for key in (_OFF, _OF):
+        if key in scene:
+            del scene[key]

@@ -79,3 +79,21 @@ def test_a_newer_note_and_a_cut_one_are_refused_in_words():
         note.read(text[:-20])
     with pytest.raises(CoefficientImageError, match="note is damaged: lights.0..1.: expected .* got a whole number"):
         note.read("relume1 " + json.dumps({"model": ["fitted", 9, "x"], "layers": ["a"], "lights": [["Key", 7]]}))
+
+
+def test_a_note_of_the_first_version_is_read_for_ever():
+    text = (
+        'shot 7 relume1 {"model":["fitted",9,"701e224902"],"layers":["ViewLayer",["Left","a","b","c"]],"lights":'
+        '[["Key",[["A",0.5],["D65",0.25]],2.0],["Fill","Planckian 2856 K"],["Everything else","589 nm",0.0]],'
+        '"degree":0.5,"method":"sharp","white":[0.9,1.0,0.4],"observer":"CIE 1964 10°","space":"ACEScg",'
+        '"view":["sRGB","Standard","None",0.5],"animated":true}'
+    )
+    found, image = note.read(text), note.image_of(text)
+    assert image.model.to_dict() == grouping.balanced(bases.fitted(9)).to_dict() and found.animated
+    assert found.layers == ["ViewLayer", ["Left", "a", "b", "c"]]
+    assert image.gains == {"Key": 2.0, "Fill": 1.0, "Everything else": 0.0}
+    assert image.illuminants["Fill"].name == library.illuminant("Planckian 2856 K").name
+    assert (image.white_balance_method, image.space, image.view["exposure"]) == ("sharp", "ACEScg", 0.5)
+    assert (
+        note.read('relume1 {"model":["fitted",9,"701e224902"],"layers":["a"],"mix":"0123456789"}').mix == "0123456789"
+    )

@@ -421,6 +421,62 @@ def test_an_exr_of_another_shape_is_read_right_or_refused(shape, tmp_path):
     check_sentence(caught.value, path)
 
 
+def nested(depth: int) -> str:
+    return "[" * depth + "]" * depth
+
+
+# What is put where in a header, as JSON, and the words that name the field
+WRONG = [
+    ("version", "2", "written by a newer Relume .format 2"),
+    ("version", '"1"', "version: expected a whole number, got text"),
+    ("version", "0", "version: expected 1, got 0"),
+    ("version", "null", "version: expected a whole number, got nothing"),
+    ("groups", '["Key", "Key", "Fill"]', "groups: 'Key' stands there twice"),
+    ("groups", '["Key", "Fill"]', "illuminants: 'Everything else' is no light group"),
+    ("groups", '["Key", "Fill", "Everything else", "More"]', "illuminants: light group 'More' has none"),
+    ("groups", "[]", "groups: expected a list of length >= 1"),
+    ("groups", '"Key"', "groups: expected a list, got text"),
+    ("groups", "[7]", r"groups.0.: expected text, got a whole number"),
+    ("gains", "[1, 2, 3]", "gains: expected fields, got a list"),
+    ("gains", '{"Key": NaN}', "JSON is malformed"),
+    ("gains", '{"Key": Infinity}', "JSON is malformed"),
+    ("gains", '{"Key": 1e999}', "gains: number out of range"),
+    ("gains", '{"Key": -1}', "gains: expected a number >= 0"),
+    ("gains", '{"Key": 1.1e6}', "gains: expected a number <= 1000000"),
+    ("gains", '{"Key": "1"}', "gains: expected a number, got text"),
+    ("gains", '{"Moon": 1}', "gains: 'Moon' is no light group"),
+    ("space", '"mud"', "space: expected one of Linear Rec.709, .*got 'mud'"),
+    ("white", "[1, 1]", "white: expected a list of length >= 3"),
+    ("white", "[0, 0, 0]", "white_balance: .* dark"),
+    ("white_balance", "1.5", "white_balance: expected a number <= 1"),
+    ("white_balance_method", '"cat"', "white_balance_method: expected one of bradford, sharp"),
+    ("view", "7", "view: expected fields, got a whole number"),
+    ("view", '{"exposure": 33}', "view.exposure: expected a number <= 32"),
+    ("view", '{"exposure": "dark"}', "view.exposure: expected a number or nothing, got text"),
+    ("view", '{"gamma": -1}', "view.gamma: expected a number >= 0"),
+    ("observer", '"Cyclops"', "observer: .*Cyclops"),
+    ("observer", "[1, 2, 3]", r"observer.0.: expected fields, got a whole number"),
+    ("model", "{}", "model: .*missing"),
+    ("model", '{"filters": [[1], [1, 2]], "name": "x", "wavelengths": [1, 2]}', "model: .*filters must be numbers"),
+    ("model", '{"filters": 7, "name": "x", "wavelengths": [1, 2]}', "model: expected text or a list, got a whole"),
+    ("model", '{"filters": [' + "1," * 20000 + '1], "name": "x"}', "model: larger than any"),
+    ("model", '{"filters": [[' + "1," * 2000 + '1]], "name": "x"}', "model: larger than any"),
+    ("model", nested(2000), "model: expected fields, got a list"),
+    ("illuminants", '{"Key": {"wavelengths": [500], "values": [1, 2]}}', "illuminants: light group 'Fill' has none"),
+    ("comment", nested(100000), "deeper than anything Relume writes"),
+]
+
+
+@pytest.mark.parametrize(("field", "value", "words"), WRONG, ids=[f"{f} {v[:20]}" for f, v, _ in WRONG])
+def test_a_wrong_field_is_named(field, value, words, tmp_path):
+    text = as_json(HEADER | {field: "HERE"}).replace('"HERE"', value)
+    path = write_own(tmp_path / "case.exr", text)
+    for read in (coefficients.describe, coefficients.read):
+        with pytest.raises(CoefficientImageError, match=f"case.exr: the Relume header is damaged: .*{words}") as caught:
+            read(path)
+        check_sentence(caught.value, path)
+
+
 @pytest.fixture(scope="module")
 def blender():
     bpy = pytest.importorskip("bpy", reason="relume relight and Relight from EXR need bpy")
@@ -490,6 +546,22 @@ def test_relight_from_exr_takes_a_forged_exr_or_leaves_nothing(kind, seed, blend
         assert scene.relume.exr == str(good) and contents(blender) == before
     else:
         assert scene.relume.exr == str(path)
+
+
+def test_a_pass_whose_name_is_too_long_for_blender_is_refused_and_nothing_stays(blender, tmp_path):
+    from relume.addon import exr
+
+    long = "g" * 60
+    names, pixels = stock_channels(IMAGE)
+    names = [name.replace("Combined_Key", f"Combined_{long}") for name in names]
+    said = json.dumps(NOTE_JSON | {"lights": [[long, "A"], *NOTE_JSON["lights"][1:]]})
+    path = write_exr(tmp_path / "case.exr", names, pixels, {"Note": f"relume1 {said}"})
+    assert long in coefficients.read(path).groups
+    before = contents(blender)
+    with pytest.raises(CoefficientImageError, match="case.exr: Blender cannot show it .*ggg") as caught:
+        exr.new_scene(path)
+    check_sentence(caught.value, path)
+    assert contents(blender) == before
 
 
 @pytest.mark.parametrize(
