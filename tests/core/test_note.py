@@ -89,7 +89,7 @@ def test_a_note_of_the_first_version_is_read_for_ever():
         '"view":["sRGB","Standard","None",0.5],"animated":true}'
     )
     found, image = note.read(text), note.image_of(text)
-    assert image.model.to_dict() == grouping.balanced(bases.fitted(9)).to_dict() and found.animated
+    assert image.model.to_dict() == channel_order.balanced(bases.fitted(9)).to_dict() and found.animated
     assert found.layers == ["ViewLayer", ["Left", "a", "b", "c"]]
     assert image.gains == {"Key": 2.0, "Fill": 1.0, "Everything else": 0.0}
     assert image.illuminants["Fill"].name == library.illuminant("Planckian 2856 K").name
