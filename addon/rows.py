@@ -37,8 +37,9 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
     """Bring the rows in line with the light groups that shine; returns the names of these, in order.
 
     before: what shone in each group when the rows were written (`members_of`). A row whose group is gone follows its
-    lamps, where these are all in one group that is new: in Blender's own lists a group is renamed so. Otherwise it
-    stays, without light and behind the others, if the artist chose anything in it.
+    lamps, where these are all in one group that is new: in Blender's own lists a group is renamed so. So does a row of
+    which nobody knows the lamps, if it is the only one without and one group is new. Otherwise a row stays, without
+    light and behind the others, if the artist chose anything in it.
     """
     settings, now = scene.relume, lights.members_of(scene)
     rows, names = settings.light_groups, list(now)
@@ -73,6 +74,10 @@ def _follow_renames(settings, before: dict, now: dict):
     for group, names in followed.items():
         if group not in settings.light_groups and len(names) == 1:
             _rename(settings, names[0], group)
+    gone = [row.name for row in settings.light_groups if row.name not in now]
+    new = [group for group in now if group not in settings.light_groups]
+    if len(gone) == len(new) == 1 and gone[0] not in before:
+        _rename(settings, gone[0], new[0])
 
 
 def _rename(settings, before: str, after: str):

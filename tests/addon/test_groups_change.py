@@ -108,7 +108,7 @@ def test_removed_and_set_up_again_the_mixer_is_what_it_was(mixed):
     bpy.data.objects["fluorescent"].lightgroup = "new"
     setup.remove(mixed)
     setup.set_up(mixed, bases.fitted(3))
-    assert rows(mixed)["fluorescent"] == ("FL11", 2.0)
+    assert rows(mixed) == {"tungsten": ("HP1", 1.0), "new": ("FL11", 2.0)}, "one row without light, one new group"
 
 
 def test_remove_gives_back_the_order_of_the_rows(mixed):
