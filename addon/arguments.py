@@ -34,9 +34,11 @@ def parse(argv: list[str], in_blender: bool) -> argparse.Namespace:
 
 
 def _joined(argv: list[str]) -> list[str]:
-    """--frame -10--5 as --frame=-10--5: argparse would take the frames for an option."""
+    """What argparse would take for an option: --frame -10--5 as --frame=-10--5, a file -x.blend as ./-x.blend."""
     joined = []
     for text in argv:
+        if text.startswith("-") and text.endswith((".blend", ".exr")) and "=" not in text:
+            text = f"./{text}"
         if joined and joined[-1] == "--frame" and "--" not in joined and _RANGE.fullmatch(text):
             joined[-1] += f"={text}"
         else:

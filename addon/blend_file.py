@@ -22,9 +22,11 @@ def located(text: str) -> Path:
             raise UsageError(f"{text}: // is the folder of the .blend, and none is open here; write the folder itself")
         return Path(bpy.data.filepath).parent / text[2:]
     try:
-        return Path(text).expanduser()
+        path = Path(text).expanduser()
     except RuntimeError as error:
         raise UsageError(f"{text}: there is no such home folder") from error
+    # new/../x would need the folder that nobody asks for
+    return path if path.parent.is_dir() or ".." not in path.parts else Path(os.path.normpath(path))
 
 
 def first_line(error: Exception) -> str:

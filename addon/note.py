@@ -20,7 +20,7 @@ def made(scene, image, animated: bool = False) -> tuple:
     """
     from ..core import note
 
-    rows = scene.relume.light_groups
+    rows = scene.relume.lit
     named = {row.name: _illuminant(row) for row in rows}
     lights = [note.Light(row.name, named[row.name], image.gains[row.name]) for row in rows]
     model = (image.model.name, image.model.channels, note.model_checksum(image.model))

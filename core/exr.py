@@ -17,7 +17,7 @@ def _opened(path: Path):
     import OpenImageIO as oiio
 
     if not path.is_file():
-        raise CoefficientImageError(f"{path}: no such file")
+        raise CoefficientImageError(f"{path}: {'is a folder; expected an EXR' if path.is_dir() else 'no such file'}")
     image = oiio.ImageInput.open(str(path))
     if image is None:
         raise CoefficientImageError(f"{path}: not an image that can be read ({_reason(oiio)})")

@@ -170,9 +170,11 @@ class FactorModel:
             raise ModelError(f"not the description of a factor model: its rule is none of {', '.join(RULES)}")
         rule = RULES[kind]
         values = given.pop(rule.array, None)
-        if given.keys() != {"name", "wavelengths", "filters"}:
-            odd = sorted(given.keys() ^ {"name", "wavelengths", "filters"}, key=str)
-            raise ModelError(f"not the description of a factor model of the rule {kind}: {str(odd[0])[:60]!r} ...")
+        needed = {"name", "wavelengths", "filters"}
+        if given.keys() != needed:
+            odd = sorted(given.keys() ^ needed, key=str)[0]
+            why = f"{odd!r} is missing" if odd in needed else f"{str(odd)[:60]!r} is not one of its fields"
+            raise ModelError(f"not the description of a factor model of the rule {kind}: {why}")
         return cls(**given, rule=rule(values))
 
     def _sampled(self, spectra: Spectra) -> Array:

@@ -9,8 +9,8 @@ __all__ = ["SequenceError", "files", "is_pattern", "numbered"]
 
 
 def is_pattern(path) -> bool:
-    """Whether a path stands for a sequence: its name has one run of #."""
-    return "#" in Path(path).name
+    """Whether a path stands for a sequence: its name has a # and is not that of a file that is there."""
+    return "#" in Path(path).name and not Path(path).is_file()
 
 
 def _split(path: Path) -> tuple[str, int, str]:

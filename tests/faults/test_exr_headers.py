@@ -403,7 +403,7 @@ SHAPES = {
         "no Relume header and no Relume note",
     ),
     "not an image": (lambda p: p.write_bytes(b"v/1\x01 is not all" * 100) and p, "can be read"),
-    "a folder": (lambda p: p.unlink() or p.mkdir() or p, "no such file"),
+    "a folder": (lambda p: p.unlink() or p.mkdir() or p, "is a folder; expected an EXR"),
     "not finite": (lambda p: write_exr(p, OWN_NAMES, OWN_PIXELS * np.inf, {"relume": as_json(HEADER)}), "not finite"),
 }
 
