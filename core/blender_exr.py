@@ -28,7 +28,12 @@ def _channels_of(layers: Sequence[str], pass_name: str, channels: int) -> list[s
 
 
 def _wanted(model: FactorModel, layers: Sequence[str], groups: Iterable[str]) -> list[str]:
-    return [name for group in groups for name in _channels_of(layers, light_pass(group), model.channels)]
+    names = [name for group in groups for name in _channels_of(layers, light_pass(group), model.channels)]
+    return [*names, _alpha(layers)]
+
+
+def _alpha(layers: Sequence[str]) -> str:
+    return f"{layers[0]}.Combined.A"
 
 
 def _check(path: Path, wanted: Sequence[str], found: Iterable[str], why: str) -> None:
@@ -53,9 +58,9 @@ def read_render(
     layers: the view layers of the coefficient passes, in order. groups: light groups to read; `EVERYTHING_ELSE` among
     them is worked out from the combined pass. Returns {group: (height, width, p) float32} and (height, width) alpha.
     """
-    path, wanted, alpha = Path(path), _wanted(model, layers, groups), f"{layers[0]}.Combined.A"
+    path, wanted = Path(path), _wanted(model, layers, groups)
     _check(path, wanted, exr.names(path), _COMPLETE)
-    channels = exr.channels(path, wanted, optional=(alpha,))
+    channels = exr.channels(path, wanted)
 
     def stacked(group: str) -> np.ndarray:
         names = _channels_of(layers, light_pass(group), model.channels)
@@ -64,8 +69,7 @@ def read_render(
     coefficients = {group: stacked(group) for group in groups if group != EVERYTHING_ELSE}
     if EVERYTHING_ELSE in groups:
         coefficients[EVERYTHING_ELSE] = stacked(EVERYTHING_ELSE) - sum(coefficients.values())
-    shape = next(iter(coefficients.values())).shape[:2]
-    return {group: coefficients[group] for group in groups}, channels.get(alpha, np.ones(shape, dtype=np.float32))
+    return {group: coefficients[group] for group in groups}, channels[_alpha(layers)]
 
 
 def check_unknown(path: str | Path, layers: Sequence[str], groups: Sequence[str]) -> None:

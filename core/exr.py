@@ -75,7 +75,7 @@ def size(path: str | Path, wanted: Collection[str]) -> tuple[int, int]:
         return spec.width, spec.height
 
 
-def channels(path: str | Path, wanted: Collection[str], optional: Collection[str] = ()) -> dict[str, np.ndarray]:
+def channels(path: str | Path, wanted: Collection[str]) -> dict[str, np.ndarray]:
     """Channel name -> (height, width) float32, of the channels with these full names.
 
     Raises CoefficientImageError where a wanted one is missing or cropped, or has pixels that are not finite
@@ -83,7 +83,7 @@ def channels(path: str | Path, wanted: Collection[str], optional: Collection[str
     """
     path, found = Path(path), {}
     with _opened(path) as image:
-        for part, spec, held in _holding(path, image, wanted, optional):
+        for part, spec, held in _holding(path, image, wanted):
             _check_part(path, image, spec, held)
             first, last = min(held.values()), max(held.values()) + 1
             block = image.read_image(part, 0, first, last, "float")
@@ -96,13 +96,13 @@ def channels(path: str | Path, wanted: Collection[str], optional: Collection[str
     return found
 
 
-def _holding(path: Path, image, wanted: Collection[str], optional: Collection[str] = ()) -> list:
+def _holding(path: Path, image, wanted: Collection[str]) -> list:
     """(part, spec, {channel: its index}) of the parts that hold wanted channels; all of these are somewhere."""
     holding, missing = [], set(wanted)
     for part, spec in _parts(image):
         held = {}
         for index, name in enumerate(spec.channelnames):
-            if name in missing or (name in optional and name not in wanted):
+            if name in missing:
                 held.setdefault(name, index)
         missing -= set(held)
         if held:

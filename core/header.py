@@ -60,7 +60,7 @@ class View(Struct):
 
 
 class _Version(Struct):
-    version: int
+    version: Annotated[int, Meta(ge=1, le=1_000_000)]
 
 
 class _Description(Struct):
@@ -109,9 +109,7 @@ def parse(text: str) -> tuple[CoefficientImage, Mapping[str, tuple[str, ...]], s
         raise CoefficientImageError(f"a description of {len(text)} characters is too long")
     version = decoded(_Version, text).version
     if version > VERSION:
-        raise CoefficientImageError(f"written by a newer Relume (format {version:.0f})")
-    if version < 1:
-        raise CoefficientImageError(f"version: expected {VERSION}, got {version}")
+        raise CoefficientImageError(f"written by a newer Relume (format {version})")
     found = decoded(_Description, text)
     _check_names(found)
     image = CoefficientImage(

@@ -429,7 +429,8 @@ def nested(depth: int) -> str:
 WRONG = [
     ("version", "2", "written by a newer Relume .format 2"),
     ("version", '"1"', "version: expected a whole number, got text"),
-    ("version", "0", "version: expected 1, got 0"),
+    ("version", "0", "version: expected a whole number >= 1"),
+    ("version", "1" + "0" * 400, "version: expected a whole number <= 1000000"),
     ("version", "null", "version: expected a whole number, got nothing"),
     ("groups", '["Key", "Key", "Fill"]', "groups: 'Key' stands there twice"),
     ("groups", '["Key", "Fill"]', "illuminants: 'Everything else' is no light group"),
