@@ -60,15 +60,16 @@ class Report:
     def _read(self):
         """Follow what the second Blender prints, until it ends."""
         failure = ""
-        for line in self._process.stdout:
-            line = line.rstrip()
-            if found := _TO_RENDER.match(line):
-                self._passes = int(found[1])
-            elif found := _PASS.match(line):
-                self._rendered += 1
-                self.words = found[1].strip()
-            elif line.startswith("relume: "):
-                failure = line.removeprefix("relume: ")
+        with self._process.stdout as lines:
+            for line in lines:
+                line = line.rstrip()
+                if found := _TO_RENDER.match(line):
+                    self._passes = int(found[1])
+                elif found := _PASS.match(line):
+                    self._rendered += 1
+                    self.words = found[1].strip()
+                elif line.startswith("relume: "):
+                    failure = line.removeprefix("relume: ")
         status = self._process.wait()
         if self._stopped:
             self.words = "stopped; the next report goes on from here"
