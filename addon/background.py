@@ -59,18 +59,18 @@ class Report:
     def _read(self):
         """Follow what the second Blender tells, until it ends."""
         failure = ""
-        for line in self._process.stdout:
-            told = _event(line)
-            kind = told.get("event")
-            if kind == "passes":
-                self._passes = told["number"]
-            elif kind == "pass":
-                self._rendered += 1
-                self.words = told["words"]
-            elif kind == "failed":
-                failure = told["words"]
-            elif kind == "rows":
-                self.rows = told["rows"]
+        with self._process.stdout as lines:
+            for told in map(_event, lines):
+                kind = told.get("event")
+                if kind == "passes":
+                    self._passes = told["number"]
+                elif kind == "pass":
+                    self._rendered += 1
+                    self.words = told["words"]
+                elif kind == "failed":
+                    failure = told["words"]
+                elif kind == "rows":
+                    self.rows = told["rows"]
         status = self._process.wait()
         if self._stopped:
             self.words = "stopped; the next report goes on from here"

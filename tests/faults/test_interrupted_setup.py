@@ -125,14 +125,14 @@ def again():
     return scene
 
 
-def cases(count: int, seed: int, part: float) -> list[tuple]:
+def cases(count: int, part: float) -> list[tuple]:
     """(place, stop) of some of the places 1 to `count` by chance: in `make torture` a part of them, 1 for all."""
-    chance, scale = random.Random(seed), os.environ.get("RELUME_TORTURE")
+    chance, scale = random.Random(os.environ.get("RELUME_SEED", "0")), os.environ.get("RELUME_TORTURE")
     wanted = min(round(count * part * float(scale)) if scale else FAST, count)
     return [(place, chance.choice(STOPS)) for place in sorted(chance.sample(range(1, count + 1), wanted))]
 
 
-def check(action, undo, seed: int, part: float = 1.0) -> int:
+def check(action, undo, part: float = 1.0) -> int:
     """Stop an action at its places: what it leaves is what was before it or what is after it. Returns how many.
 
     undo: brings back what was before.
@@ -144,7 +144,7 @@ def check(action, undo, seed: int, part: float = 1.0) -> int:
     after = dump()
     undo()
     assert differences(before, dump()) == [] != differences(before, after)
-    done = cases(count, seed, part)
+    done = cases(count, part)
     for place, stop in done:
         with suppress(Stopped, KeyboardInterrupt, SetupError):
             run(action, place, stop)
@@ -159,9 +159,8 @@ def check(action, undo, seed: int, part: float = 1.0) -> int:
     return len(done)
 
 
-@pytest.mark.parametrize("seed", outcome.seeds(1, 1))
 @pytest.mark.parametrize(("build", "part"), [(coloured, 1.0), (shared, 0.125), (again, 0.125)])
-def test_set_up_is_whole_or_not_at_all(relume, settle, build, part, seed):
+def test_set_up_is_whole_or_not_at_all(relume, settle, build, part):
     from relume.addon import setup
     from relume.core import bases
 
@@ -176,15 +175,14 @@ def test_set_up_is_whole_or_not_at_all(relume, settle, build, part, seed):
             each["relume_plan"] = plans[each]
 
     plans = {each: each["relume_plan"].to_dict() for each in others}
-    settle(outcome.RIGHT, check(lambda: setup.set_up(scene, bases.fitted(3)), undo, seed, part))
+    settle(outcome.RIGHT, check(lambda: setup.set_up(scene, bases.fitted(3)), undo, part))
 
 
-@pytest.mark.parametrize("seed", outcome.seeds(1, 1))
 @pytest.mark.parametrize("build", [coloured, shared])
-def test_remove_is_whole_or_not_at_all(relume, settle, build, seed):
+def test_remove_is_whole_or_not_at_all(relume, settle, build):
     from relume.addon import setup
     from relume.core import bases
 
     scene = build()
     setup.set_up(scene, bases.fitted(3))
-    settle(outcome.RIGHT, check(lambda: setup.remove(scene), lambda: setup.set_up(scene, bases.fitted(3)), seed))
+    settle(outcome.RIGHT, check(lambda: setup.remove(scene), lambda: setup.set_up(scene, bases.fitted(3))))
