@@ -8,7 +8,10 @@ __all__ = ["register", "unregister"]
 
 
 def _modules():
-    from . import commands, handlers, icons, material_panel, operators, panels, properties, remarks
+    from . import handlers
+    from .cli import commands
+    from .store import properties, remarks
+    from .ui import icons, material_panel, operators, panels
 
     return properties, icons, operators, panels, remarks, material_panel, handlers, commands
 

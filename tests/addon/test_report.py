@@ -8,7 +8,9 @@ import types
 import bpy
 import pytest
 
-from relume.addon import background, commands, left_out, setup
+from relume.addon.cli import background, commands
+from relume.addon.scene import setup
+from relume.addon.ui import left_out
 
 ARGUMENTS = ("--channels", "6", "--models", "rgb", "fitted", "--samples", "4", "--percent", "6")
 

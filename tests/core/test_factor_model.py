@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from relume.core import FactorModel, Spectrum, SpectrumError, bases, library
-from relume.core.factor_model import ModelError
-from relume.core.rules import Reconstructed
+from relume.core import FactorModel, Spectrum, SpectrumError
+from relume.core.model import bases
+from relume.core.model.factor_model import ModelError
+from relume.core.model.rules import Reconstructed
+from relume.core.spectra import library
 
 from .conftest import CMFS, difference, tristimulus
 

@@ -66,8 +66,10 @@ def run(action, place: int = 0, stop=None) -> int:
 
 def coloured():
     """A scene with RGB, a spectrum, a glass, coloured, glowing and animated lamps, and a mixer that was touched."""
-    from relume.addon import glass, setup, spectra
-    from relume.core import bases, library
+    from relume.addon.graph import glass, spectra
+    from relume.addon.scene import setup
+    from relume.core.model import bases
+    from relume.core.spectra import library
 
     bpy.ops.wm.read_factory_settings()
     scene = bpy.context.scene
@@ -100,9 +102,9 @@ def coloured():
 
 def shared():
     """A scene beside another that has the same spectra and is set up with other channels."""
-    from relume.addon import setup
+    from relume.addon.scene import setup
     from relume.assets import make_room
-    from relume.core import bases
+    from relume.core.model import bases
 
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH))
     room = bpy.context.scene
@@ -115,8 +117,8 @@ def shared():
 
 def again():
     """A scene that is set up with other channels."""
-    from relume.addon import setup
-    from relume.core import bases
+    from relume.addon.scene import setup
+    from relume.core.model import bases
 
     scene = coloured()
     setup.set_up(scene, bases.fitted(6))
@@ -161,8 +163,8 @@ def check(action, undo, part: float = 1.0) -> int:
 
 @pytest.mark.parametrize(("build", "part"), [(coloured, 1.0), (shared, 0.125), (again, 0.125)])
 def test_set_up_is_whole_or_not_at_all(relume, settle, build, part):
-    from relume.addon import setup
-    from relume.core import bases
+    from relume.addon.scene import setup
+    from relume.core.model import bases
 
     scene = build()
     others = {each: each.relume.model() for each in bpy.data.scenes if each.relume.is_set_up}
@@ -180,8 +182,8 @@ def test_set_up_is_whole_or_not_at_all(relume, settle, build, part):
 
 @pytest.mark.parametrize("build", [coloured, shared])
 def test_remove_is_whole_or_not_at_all(relume, settle, build):
-    from relume.addon import setup
-    from relume.core import bases
+    from relume.addon.scene import setup
+    from relume.core.model import bases
 
     scene = build()
     setup.set_up(scene, bases.fitted(3))
