@@ -3,6 +3,8 @@
 import bpy
 from bpy.app.handlers import persistent
 
+from .store import changes
+
 __all__ = ["register", "unregister"]
 
 _followed = {}  # scene's session id: the mix that its sockets show
@@ -102,11 +104,46 @@ _HANDLERS = (
 )
 
 
+def _mix_changed(scene):
+    from .scene import setup
+
+    setup.relight(scene)
+
+
+def _light_group_renamed(scene, before: str, after: str) -> str:
+    from .scene import light_groups
+
+    return light_groups.rename(scene, before, after)
+
+
+def _passes_changed(scene):
+    from .scene import setup
+
+    setup.set_up_afresh(scene)
+
+
+def _wipe_moved(scene, position: float):
+    from .scene import compositing
+
+    compositing.move_wipe(scene, position)
+
+
+_CHANGES = {
+    changes.MIX: _mix_changed,
+    changes.LIGHT_GROUP_RENAMED: _light_group_renamed,
+    changes.PASSES: _passes_changed,
+    changes.WIPE: _wipe_moved,
+}
+
+
 def register():
+    for change, function in _CHANGES.items():
+        changes.follow(change, function)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
 
 
 def unregister():
+    changes.forget()
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

@@ -1,16 +1,12 @@
-"""What a scene says about its renders: for `relume describe`, `relume relight --scene`, and the sidecar's button."""
+"""What a scene says about its renders: for `relume describe`, `relume relight --scene`and for sidecars."""
 
 import bpy
-from bpy.props import StringProperty
-from bpy.types import Operator
 
-from ...core.errors import RelumeError, SetupError
-from ...core.picture import description
+from ...core.errors import SetupError
 from ...core.picture.description import Description
-from ..ui.mixer_operators import NeedsSetUp
 from . import baking, note, render, view_layers
 
-__all__ = ["CLASSES", "description_of", "of_open_file"]
+__all__ = ["description_of", "of_open_file"]
 
 
 def description_of(scene) -> Description:
@@ -33,31 +29,3 @@ def of_open_file() -> Description:
     if ready is None:
         raise SetupError(f"{bpy.path.basename(bpy.data.filepath)}: no scene is set up for spectral rendering")
     return description_of(ready)
-
-
-class WriteSidecar(NeedsSetUp, Operator):
-    """Write what relighting needs to know of this scene, to be put beside what other Blenders render of it. Only a mix
-    with measured spectra, or too many light groups for a note of 511 characters, needs it"""
-
-    bl_idname = "relume.write_sidecar"
-    bl_label = "Write Sidecar"
-
-    filepath: StringProperty(subtype="FILE_PATH")
-    filter_glob: StringProperty(default=f"*{description.SUFFIX}", options={"HIDDEN"})
-
-    def invoke(self, context, event):
-        self.filepath = f"{bpy.path.display_name_from_filepath(bpy.data.filepath) or 'untitled'}{description.SUFFIX}"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context):
-        try:
-            description.write(bpy.path.abspath(self.filepath), description_of(context.scene))
-        except (OSError, RelumeError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"wrote {self.filepath}")
-        return {"FINISHED"}
-
-
-CLASSES = (WriteSidecar,)

@@ -1,13 +1,10 @@
 """Relighting a rendered coefficient EXR, or a sequence of them, in Blender's compositor, without the scene."""
 
 import json
-import re
 from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
-from bpy.props import StringProperty
-from bpy.types import Operator
 
 from ...core.errors import CoefficientImageError, RelumeError
 from ...core.picture import coefficients, description, sequences
@@ -16,7 +13,7 @@ from ..graph import nodes
 from ..store import mixer, properties
 from . import setup
 
-__all__ = ["CLASSES", "current_file", "new_scene", "point_at", "read_current"]
+__all__ = ["current_file", "new_scene", "point_at", "read_current"]
 
 STOCK = properties.STOCK
 
@@ -199,35 +196,3 @@ def _composite(scene, picture, files, image, described):
             tree.links.new(node.outputs[output_name], recombination.inputs[f"{group} {k + 1}"])
     tree.links.new(recombination.outputs["Image"], output.inputs["Image"])
     scene.compositing_node_group = tree
-
-
-class RelightExr(Operator):
-    """Open a coefficient EXR that Relume rendered, or a sequence of them, in a scene of its own and choose its light"""
-
-    bl_idname = "relume.relight_exr"
-    bl_label = "Relight from EXR"
-    bl_options = {"REGISTER", "UNDO"}
-
-    filepath: StringProperty(subtype="FILE_PATH")
-    filter_glob: StringProperty(default="*.exr", options={"HIDDEN"})
-
-    def invoke(self, context, event):
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context):
-        settings = context.scene.relume
-        try:
-            path = Path(bpy.path.abspath(self.filepath))
-            if settings.exr:
-                point_at(context.scene, path)
-            else:
-                context.window.scene = new_scene(path)
-        except ValueError as error:
-            settings.problem = re.sub(r"\s+", " ", str(error))
-            self.report({"ERROR"}, settings.problem)
-            return {"CANCELLED"}
-        return {"FINISHED"}
-
-
-CLASSES = (RelightExr,)

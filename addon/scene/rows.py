@@ -10,7 +10,7 @@ from ...core.errors import SetupError
 from ..graph import lights
 from ..host import animation
 from ..store import mixer, schema
-from ..ui.icons import CURVE
+from ..store.mixer import CURVE
 
 __all__ = [
     "discard",

@@ -14,7 +14,7 @@ from ...core.spectra.library import LibraryError
 from ..graph import glass, lights, nodes, sockets, spectra
 from ..host import animation, interruption, inventory
 from ..store import mixer, properties, remarks, schema
-from ..ui.icons import CURVE
+from ..store.mixer import CURVE
 from . import compositing, content, faults, note, render_settings, rows, view_layers
 from .render_settings import SUBSET
 

@@ -11,9 +11,12 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from . import changes
+
 __all__ = [
     "BALANCE",
     "CLASSES",
+    "CURVE",
     "BlendPart",
     "LightGroup",
     "Snapshot",
@@ -25,6 +28,8 @@ __all__ = [
     "quiet",
     "stored_spectrum",
 ]
+
+CURVE = "relume_curve"  # on a row: 81 values of its spectrum, the highest 1
 
 SOURCES = [
     ("LIBRARY", "Named", "An illuminant of the CIE, a measured lamp, or a spectral line such as 589 nm"),
@@ -68,9 +73,7 @@ def is_quiet() -> bool:
 def mix_changed(self, context):
     """Update of every property that the picture depends on."""
     if not _quiet:
-        from ..scene import setup
-
-        setup.relight(self.id_data)
+        changes.tell(changes.MIX, self.id_data)
 
 
 @lru_cache(maxsize=256)
@@ -110,9 +113,8 @@ def _source_chosen(self, context):
 
 def _renamed(self, new, current, is_set):
     """Give the light group itself the new name; it comes back as Blender can use it."""
-    from ..scene import light_groups
-
-    return light_groups.rename(self.id_data, current, new) if current else new
+    given = changes.tell(changes.LIGHT_GROUP_RENAMED, self.id_data, current, new) if current else None
+    return new if given is None else given
 
 
 class BlendPart(PropertyGroup):

@@ -8,6 +8,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from . import changes
 from .mixer import CLASSES as MIXER_CLASSES
 from .mixer import LightGroup, Snapshot, mix_changed
 
@@ -101,16 +102,12 @@ def _observer_from(text: str):
 
 
 def _wiped(self, context):
-    from ..scene import compositing
-
-    compositing.move_wipe(self.id_data, self.wipe)
+    changes.tell(changes.WIPE, self.id_data, self.wipe)
 
 
 def _denoising_chosen(self, _):
-    from ..scene import setup
-
     if self.shades:
-        setup.set_up_afresh(self.id_data)
+        changes.tell(changes.PASSES, self.id_data)
 
 
 class SceneSettings(PropertyGroup):

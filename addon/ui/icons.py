@@ -3,9 +3,8 @@
 import bpy
 import bpy.utils.previews
 
-__all__ = ["CURVE", "register", "swatch_and_curve", "unregister"]
+__all__ = ["register", "swatch_and_curve", "unregister"]
 
-CURVE = "relume_curve"  # on a row of the mixer: 81 values of its spectrum, the highest 1
 
 _previews = None
 

@@ -3,6 +3,7 @@
 import textwrap
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
+from ..store.mixer import CURVE
 from . import icons
 
 __all__ = ["draw", "words"]
@@ -28,7 +29,7 @@ def _draw_row(layout, settings, row, index: int):
     line = box.row(align=True)
     line.active = row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
     line.prop(row, "is_open", text="", icon="DOWNARROW_HLT" if row.is_open else "RIGHTARROW", emboss=False)
-    icon = icons.swatch_and_curve(row.get(icons.CURVE, ()), row.swatch)
+    icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
     if row.name == EVERYTHING_ELSE:
         line.label(text=row.name)
     else:

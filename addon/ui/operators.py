@@ -3,8 +3,7 @@
 from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
-from ..scene import describe, exr
-from . import dial, inspector, mixer_operators
+from . import dial, files, inspector, mixer_operators
 from .mixer_operators import NeedsSetUp
 
 __all__ = [
@@ -57,8 +56,7 @@ CLASSES = (
     *mixer_operators.CLASSES,
     *dial.CLASSES,
     *inspector.CLASSES,
-    *exr.CLASSES,
-    *describe.CLASSES,
+    *files.CLASSES,
 )
 
 

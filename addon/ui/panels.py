@@ -4,7 +4,7 @@ import bpy
 from bpy.types import Panel
 
 from ..store.properties import AUTO
-from . import left_out, mixer_panels, report_panel
+from . import left_out, mixer_panels, remarks_panel, report_panel
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -81,7 +81,7 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES)
+CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
 
 
 def register():
