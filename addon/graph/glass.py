@@ -11,7 +11,7 @@ import bpy
 from ...core.colour import spaces
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
-from . import nodes
+from . import node_groups, nodes
 from .spectra import SPECTRA, spectra_of
 
 __all__ = ["GLASS_NODES", "disperses", "mend_all", "new_glass", "put_back", "replace", "restore_all", "update_all"]
@@ -50,7 +50,7 @@ def _fill(tree, model: FactorModel | None):
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
     shares = [None] if model is None else model.shares(index)
-    view_node = None if model is None else nodes.add_view(tree, model.channels)
+    view_node = None if model is None else node_groups.add_view(tree, model.channels)
     total = None
     for number, share in enumerate(shares):
         indices = nodes.add(tree, "ShaderNodeSeparateXYZ", 2, 4 * number)

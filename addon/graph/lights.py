@@ -16,7 +16,7 @@ from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.spectra import library
 from ..host import animation, inventory
 from ..store.remarks import Remark
-from . import nodes, sockets
+from . import node_groups, nodes, sockets
 from .closures import Kind, in_use, kind_of, spectral_sockets
 
 __all__ = [
@@ -254,7 +254,7 @@ class Lighting:
         spectrum = library.illuminant(_planckian(kelvin))
         reference = _planckian(kelvin) if name in self.temperatures else _DAYLIGHT
         coefficients = self.model.emission(spectrum, library.illuminant(reference))
-        return nodes.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
+        return node_groups.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
 
     def convert(self, conversion, shading, socket):
         """Put the light of its light group in front of a socket that sends out light."""
@@ -265,7 +265,7 @@ class Lighting:
         kelvin = blackbody_behind(socket)
         if kelvin:
             conversion.insert(socket, self._emitter(name, kelvin))
-        group = nodes.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
+        group = node_groups.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
         light = conversion.insert(socket, group)
         lamp = self.lamps.get(shading.owner)
         self._remark_on_color(conversion, shading, light, lamp)

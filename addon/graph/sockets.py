@@ -14,7 +14,7 @@ from ...core.model import upsample
 from ..host import animation
 from ..host.inventory import Inventory, take
 from ..store.remarks import Remark
-from . import nodes
+from . import node_groups, nodes
 from .closures import Bounds, Kind, bounds_of, in_use, is_animated, kind_of, reasons, spectral_sockets
 from .wiring import Wiring
 
@@ -120,7 +120,7 @@ def emits(tree) -> bool:
 
 def upsample_group_for(socket, channels: int):
     """The *Upsample* group that goes in front of a socket; before a mix nothing is held to the bounds of a closure."""
-    return nodes.upsample_group(channels, vector=socket.type == "VECTOR", bounds=bounds_of(socket))
+    return node_groups.upsample_group(channels, vector=socket.type == "VECTOR", bounds=bounds_of(socket))
 
 
 class Conversion:

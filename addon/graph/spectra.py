@@ -13,7 +13,7 @@ from ...core.colour import spaces
 from ...core.model import fresnel
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
-from . import nodes, sockets
+from . import node_groups, nodes, sockets
 
 __all__ = [
     "SPECTRA",
@@ -93,7 +93,7 @@ def assign(material, socket, tree, output: str = "Color"):
         node.location = (socket.node.location.x - 220, socket.node.location.y - 60)
     before = inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
-        nodes.set_spectral(before, _channels(), True)
+        node_groups.set_spectral(before, _channels(), True)
         socket = before.inputs["Color"]
         before = inserted_before(socket)
     while before is not None:
@@ -115,7 +115,7 @@ def unassign(material, socket):
     """Let a shader socket of a material show its own RGB colour again, upsampled in a scene that is set up."""
     tree, before = material.node_tree, inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
-        nodes.set_spectral(before, _channels(), False)
+        node_groups.set_spectral(before, _channels(), False)
         socket = before.inputs["Color"]
     if source_of(socket) is None:
         return
@@ -220,7 +220,7 @@ def _fill_with(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray
 def _add_spectral(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
     channels = len(next(iter(coefficients.values())))
     output = nodes.add(tree, "NodeGroupOutput", channels + 3)
-    view_node = nodes.add_view(tree, channels)
+    view_node = node_groups.add_view(tree, channels)
     for row, (name, values) in enumerate(coefficients.items()):
         total = nodes.weighed(tree, view_node, values, row)
         if output.inputs[name].type == "VECTOR":

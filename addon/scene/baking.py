@@ -7,7 +7,7 @@ that is taken away afterwards.
 
 import bpy
 
-from ..graph import nodes
+from ..graph import node_groups
 from ..host import animation
 from ..store import mixer
 from . import compositing, setup
@@ -50,7 +50,7 @@ def bake(scene) -> int:
     at = _by_evaluation if _needs_evaluation(scene) else _by_curves
     for _ in at(scene, frames):
         for tree, values in rows.items():
-            values.append([tuple(socket.default_value) for socket in nodes.matrix_sockets(tree)])
+            values.append([tuple(socket.default_value) for socket in node_groups.matrix_sockets(tree)])
     for tree, values in rows.items():
         _write(tree, frames, values)
     return len(frames)
@@ -111,7 +111,7 @@ def _write(tree, frames: list[int], values: list[list[tuple]]):
     data.action, data.action_slot = action, slot
     bag = action.layers.new("Mix").strips.new(type="KEYFRAME").channelbag(slot, ensure=True)
     linear = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
-    for index, socket in enumerate(nodes.matrix_sockets(tree)):
+    for index, socket in enumerate(node_groups.matrix_sockets(tree)):
         for component in range(3):
             curve = bag.fcurves.new(socket.path_from_id("default_value"), index=component)
             points = curve.keyframe_points

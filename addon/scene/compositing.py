@@ -4,7 +4,7 @@ import bpy
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.picture.recombination import for_passes
-from ..graph import nodes
+from ..graph import node_groups, nodes
 from ..host import denoising
 from ..store import properties
 from . import view_layers
@@ -51,7 +51,7 @@ def add(scene, groups: list[str]):
     for source, copies in layers.items():
         shown = [n for n in tree.nodes if n.type == "R_LAYERS" and n.scene == scene and n.layer == source]
         if shown:
-            group = nodes.recombination_group(f"Relume Recombination {source}", groups, len(copies))
+            group = node_groups.recombination_group(f"Relume Recombination {source}", groups, len(copies))
             for node in shown:
                 _feed(tree, node, group, copies, groups)
 
@@ -108,7 +108,7 @@ def _added(tree, kind: str, beside, column: float, row: float):
 def write_matrices(scene, matrices):
     """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination."""
     for tree in {node.node_tree for node in recombinations(scene)}:
-        nodes.write_recombination(tree, _as_rendered(scene, matrices))
+        node_groups.write_recombination(tree, _as_rendered(scene, matrices))
 
 
 def rename(scene, before: str, after: str):
@@ -189,7 +189,7 @@ def compare(scene, matrices):
         other.node_tree = first.node_tree.copy()
         other.node_tree[nodes.ROLE] = "comparison"
         other.node_tree.animation_data_clear()
-        nodes.write_recombination(other.node_tree, _as_rendered(scene, matrices))
+        node_groups.write_recombination(other.node_tree, _as_rendered(scene, matrices))
         for name, socket in first.inputs.items():
             if socket.is_linked:
                 tree.links.new(socket.links[0].from_socket, other.inputs[name])

@@ -9,7 +9,7 @@ import bpy
 from ...core.errors import CoefficientImageError, RelumeError
 from ...core.picture import coefficients, description, sequences
 from ...core.picture.blender_exr import light_pass
-from ..graph import nodes
+from ..graph import node_groups, nodes
 from ..store import mixer, properties
 from . import setup
 
@@ -181,7 +181,7 @@ def _composite(scene, picture, files, image, described):
     output.location = (700, 0)
     groups = list(image.groups)
     recombination = tree.nodes.new("CompositorNodeGroup")
-    recombination.node_tree = nodes.recombination_group(
+    recombination.node_tree = node_groups.recombination_group(
         f"Relume Recombination {scene.name}", groups, image.model.passes
     )
     recombination.location = (400, 0)

@@ -1,7 +1,7 @@
 """Coefficient passes: view layers copied from the artist's own, one for every three channels.
 
 A view layer carries the numbers of `core.recombination.ViewLayerNumbers` as custom properties; the shaders read them
-with Attribute nodes of type View Layer (`nodes.view_group`).
+with Attribute nodes of type View Layer (`node_groups.view_group`).
 """
 
 import bpy

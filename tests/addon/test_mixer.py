@@ -10,7 +10,7 @@ import pytest
 from dump import differences, dump
 from test_render import close, composite, read_exr
 
-from relume.addon.graph import nodes
+from relume.addon.graph import node_groups
 from relume.addon.scene import baking, compositing, exr, light_groups, render, setup
 from relume.addon.store import mixer
 from relume.core.model import bases
@@ -29,7 +29,7 @@ def ready(room):
 def sockets(scene) -> np.ndarray:
     """(groups, p, 3) numbers in the recombination."""
     tree = compositing.recombinations(scene)[0].node_tree
-    values = np.array([socket.default_value for socket in nodes.matrix_sockets(tree)])
+    values = np.array([socket.default_value for socket in node_groups.matrix_sockets(tree)])
     return values.reshape(len(scene.relume.light_groups), -1, 3)
 
 
