@@ -464,7 +464,7 @@ WRONG = [
     ("model", '{"filters": 7, "name": "x", "wavelengths": [1, 2]}', "model: expected text or a list, got a whole"),
     ("model", '{"filters": [' + "1," * 20000 + '1], "name": "x"}', "model: larger than any"),
     ("model", '{"filters": [[' + "1," * 2000 + '1]], "name": "x"}', "model: larger than any"),
-    ("model", nested(2000), "model: expected fields, got a list"),
+    ("model", nested(200), "model: expected fields, got a list"),
     ("illuminants", '{"Key": {"wavelengths": [500], "values": [1, 2]}}', "illuminants: light group 'Fill' has none"),
     ("comment", nested(100000), "deeper than anything Relume writes"),
 ]
