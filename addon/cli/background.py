@@ -94,8 +94,7 @@ def _command(blend: Path, options: list[str]) -> list[str]:
     if bpy.app.binary_path:
         return [bpy.app.binary_path, "-b", str(blend), "-c", "relume", "report", *options]
     # Blender as a Python package has no program of its own
-    run = f"from {__package__}.commands import main; main()"
-    return [sys.executable, "-c", run, "report", str(blend), *options]
+    return [sys.executable, "-m", __package__.partition(".addon")[0], "report", str(blend), *options]
 
 
 def current() -> Report | None:

@@ -5,9 +5,6 @@ Exit status: 0 done, 1 failed with one line that says what and where, 2 wrong us
 
 import argparse
 import importlib
-import os
-import sys
-from contextlib import suppress
 
 import bpy
 
@@ -16,7 +13,7 @@ from ..host import console
 from ..host.blend_file import first_line, located, open_scene
 from . import arguments
 
-__all__ = ["blender_command", "execute", "main", "register", "unregister"]
+__all__ = ["blender_command", "execute", "register", "unregister"]
 
 
 def _run(told: argparse.Namespace):
@@ -70,18 +67,6 @@ def execute(argv: list[str], in_blender: bool = False) -> int:
         console.fail(f"unexpected {type(error).__name__}: {first_line(error)} (RELUME_LOG=debug tells where)")
         return 1
     return 0
-
-
-def main(argv: list[str] | None = None):
-    """Entry point of the `relume` program; ends the process."""
-    from ... import register as register_addon
-
-    register_addon()
-    status = execute(sys.argv[1:] if argv is None else argv)
-    with suppress(OSError):
-        sys.stdout.flush()
-    # Python's own way out takes bpy 5.0 apart in an order in which it reports leaks on standard output; 5.2 does not
-    os._exit(status)
 
 
 def blender_command(argv: list[str]) -> int:

@@ -18,7 +18,7 @@ from relume.core import results
 from relume.core.picture import coefficients
 
 CHEAP = ("--channels", "3")
-COMMAND = (sys.executable, "-c", "from relume.addon.commands import main; main()")
+COMMAND = (sys.executable, "-m", "relume")
 
 
 @pytest.fixture

@@ -222,7 +222,7 @@ def test_a_disk_that_fills_up_leaves_no_partial_files(room, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
     script = (
         "import resource\n"
-        "from relume.addon.commands import main\n"
+        "from relume.__main__ import main\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
         f"main(['render', {str(scene)!r}, '--out', {str(out)!r}])\n"
     )
