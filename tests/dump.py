@@ -25,17 +25,28 @@ def dump() -> dict:
     return found
 
 
-def differences(before: dict, after: dict, path: str = "") -> list[str]:
-    """Paths at which two dumps differ, with both values."""
+def differences(before: dict, after: dict, path: str = "", tolerance: float = 0.0) -> list[str]:
+    """Paths at which two dumps differ, with both values. tolerance: by which numbers may differ and be the same."""
     if isinstance(before, dict) and isinstance(after, dict):
         found = []
         for key in sorted({*before, *after}, key=str):
             if key not in before or key not in after:
                 found.append(f"{path}/{key}: {'added' if key not in before else 'missing'}")
             else:
-                found += differences(before[key], after[key], f"{path}/{key}")
+                found += differences(before[key], after[key], f"{path}/{key}", tolerance)
         return found
-    return [] if before == after else [f"{path}: {before!r} became {after!r}"]
+    alike = before == after or (tolerance and _are_close(before, after, tolerance))
+    return [] if alike else [f"{path}: {before!r} became {after!r}"]
+
+
+def _are_close(before, after, tolerance: float) -> bool:
+    if isinstance(before, dict) and isinstance(after, dict):
+        return before.keys() == after.keys() and all(_are_close(before[k], after[k], tolerance) for k in before)
+    if isinstance(before, list) and isinstance(after, list):
+        return len(before) == len(after) and all(map(_are_close, before, after, [tolerance] * len(before)))
+    if isinstance(before, float) and isinstance(after, float):
+        return abs(before - after) <= tolerance
+    return before == after
 
 
 def changes(before: dict) -> list[str]:
