@@ -104,6 +104,8 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
         spec.attribute(key, value)
     with results.replacing(path) as partial:
         output = oiio.ImageOutput.create(str(partial))
+        if output is None:
+            raise ResultError(f"{path}: cannot be written ({oiio.geterror().strip()})")
         done = output.open(str(partial), spec) and output.write_image(np.ascontiguousarray(pixels))
         message = output.geterror().strip().replace(str(partial), path.name)
         done = output.close() and done
