@@ -31,7 +31,7 @@ def _follow(scene, depsgraph):
     if _followed.get(scene.session_uid) == mix:
         return
     _followed[scene.session_uid] = mix
-    setup.follow(scene, settings)
+    setup.follow(scene, mixer.choices(settings))
     compositing.move_wipe(scene, settings.wipe)
 
 
@@ -73,7 +73,7 @@ def _note(scene, *_):
             return
         try:
             note.write(scene, render.described(scene), animated)
-        except (RelumeError, ValueError) as error:
+        except RelumeError as error:
             scene.relume["problem"] = str(error)
 
 

@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..addon.graph import spectra
-from ..addon.scene import content, render, setup
+from ..addon.scene import content, render, render_settings, setup
 from ..core.colour import differences
 from ..core.model import bases
 from ..core.picture import coefficients, plan, recombination
@@ -97,8 +97,7 @@ def build(number: int):
 
 def _rendered(scene, model, samples: int) -> coefficients.CoefficientImage:
     scene.cycles.samples = samples
-    scene.relume.same_seed, scene.relume.split_samples = True, False
-    scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+    render_settings.compare(scene)
     setup.set_up(scene, model)
     with tempfile.TemporaryDirectory() as folder:
         return render.render(scene, Path(folder)).image

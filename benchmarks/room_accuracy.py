@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 from ..addon.cli.jobs import Progress
-from ..addon.scene import render, setup
+from ..addon.scene import render, render_settings, setup
 from ..assets import make_room
 from ..core.colour import differences
 from ..core.model import bases
@@ -46,8 +46,7 @@ def open_room(samples: int, percent: int):
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = percent, samples
-    scene.relume.same_seed, scene.relume.split_samples = True, False
-    scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+    render_settings.compare(scene)
     return scene
 
 

@@ -16,8 +16,12 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .errors import ResultError
+
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
 
 __all__ = ["abandon", "claim", "expect", "folder", "replacing", "scratch", "sweep", "together", "write_text"]
 
@@ -26,7 +30,8 @@ _CLAIM = re.compile(r"\.relume-claim-[0-9a-f]{16}\.lock")
 _DAY = 86400.0
 _MOMENT = 0.5  # seconds in which a sweep lets go of a claim that it looks at
 
-_set: ContextVar[list | None] = ContextVar("results that appear together", default=None)
+_Waiting = list[tuple[Path, Path, Path, ExitStack]]
+_set: ContextVar[_Waiting | None] = ContextVar("results that appear together", default=None)
 _unfinished: dict[int, Callable[[], None]] = {}  # what takes away everything that this process has not finished
 _committing = threading.RLock()
 
@@ -44,13 +49,13 @@ def _reason(error: OSError) -> str:
     return error.strerror or str(error)
 
 
-def _lock(path: Path):
+def _lock(path: Path) -> "BaseFileLock":
     from filelock import FileLock
 
     return FileLock(path, thread_local=False)
 
 
-def _let_go(lock):
+def _let_go(lock: "BaseFileLock") -> None:
     """Give a lock back, and take its file away while nobody else can hold it: who waits for it notices."""
     if os.name != "nt":
         Path(lock.lock_file).unlink(missing_ok=True)
@@ -91,7 +96,7 @@ def _partial(target: Path) -> Iterator[Path]:
     except OSError as error:
         raise ResultError(f"{target.parent}: cannot write there ({_reason(error)})") from error
 
-    def undo():
+    def undo() -> None:
         _remove(partial)
         _remove(_older(partial))
         _let_go(lock)
@@ -159,7 +164,7 @@ def write_text(path: str | Path, text: str) -> None:
 @contextmanager
 def together() -> Iterator[None]:
     """All files that `replacing` writes in this block appear at its end: every one, or none. Raises ResultError."""
-    waiting = []
+    waiting: _Waiting = []
     token = _set.set(waiting)
     with ExitStack() as stack:
         try:
@@ -168,7 +173,7 @@ def together() -> Iterator[None]:
             _set.reset(token)
             for *_, cleanup in waiting:
                 stack.push(cleanup)
-        _commit([names for *names, _ in waiting])
+        _commit([(partial, target, path) for partial, target, path, _ in waiting])
 
 
 @contextmanager
@@ -221,7 +226,7 @@ def folder(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     made = _missing(path)
 
-    def undo():
+    def undo() -> None:
         for each in made:
             with suppress(OSError):
                 each.rmdir()
@@ -233,9 +238,9 @@ def folder(path: str | Path) -> Iterator[Path]:
                 probe.write_bytes(b"")
         except FileExistsError:
             raise ResultError(f"{path}: cannot write there (it is a file, not a folder)") from None
-        except (OSError, ResultError) as error:
-            reason = _reason(error.__cause__ or error)
-            raise ResultError(f"{path}: cannot write there ({reason})") from error
+        except OSError as error:
+            cause = error.__cause__ if isinstance(error.__cause__, OSError) else error
+            raise ResultError(f"{path}: cannot write there ({_reason(cause)})") from error
         sweep(path)
         yield path
 

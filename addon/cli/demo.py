@@ -15,7 +15,7 @@ from ...core.spectra import library
 from ...studies import figures
 from ..host import console, denoising
 from ..host.blend_file import open_scene
-from ..scene import render, setup
+from ..scene import render, render_settings, setup
 from ..store import properties
 
 __all__ = ["run"]
@@ -70,10 +70,7 @@ def run(folder: Path):
         scene = open_scene(_ROOM)
         scene.render.resolution_x, scene.render.resolution_y = _RESOLUTION
         scene.cycles.samples = _SAMPLES
-        # The same noise everywhere, so that what is compared is the method: else Cycles ends paths and leaves out lamps
-        # with a probability that depends on a channel's own brightness
-        scene.relume.same_seed, scene.relume.split_samples = True, False
-        scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+        render_settings.compare(scene)
         plain = _take(scene, folder, bases.rgb(), "plain RGB")
         nine = _take(scene, folder, properties.model_for("9"), "Relume, 9 channels")
         reference = _take(scene, folder, properties.model_for("reference"), "reference")

@@ -24,7 +24,7 @@ from ...core.picture.mix import Light, Mix
 from ...studies import figures
 from ..host import console
 from ..host.blend_file import open_scene
-from ..scene import content, render, setup
+from ..scene import content, render, render_settings, setup
 from . import jobs
 
 __all__ = ["run"]
@@ -156,8 +156,7 @@ class _Takes:
         kept = self._kept_image(name, model)
         if kept is None:
             scene = _open(self.blend, self.told)
-            scene.relume.same_seed, scene.relume.split_samples = True, False
-            scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+            render_settings.compare(scene)
             image, _ = self._render(scene, name, model)
             coefficients.write(self._path(name, model, "exr"), image, render.picture(image, self.lights()))
             return self._kept_image(name, model)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.model import upsample
 from ...core.model.factor_model import FactorModel
+from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.spectra import library
 from ..host import animation, inventory
@@ -43,7 +44,7 @@ _MOVED = "relume_moved"  # on a light: the path that the animation of its colour
 _DAYLIGHT = "D65"
 _NOTICED = 5.0  # CIEDE2000, of the most saturated surfaces
 _FILTER = "its light is deeply coloured: what it does to coloured surfaces differs from plain RGB, even without bounces"
-LONGEST = 63 - len("Combined_")  # bytes of a light group's name that leave room for that of its pass
+LONGEST = 63 - len(light_pass(""))  # bytes of a light group's name that leave room for that of its pass
 
 
 def emitters_of(scene) -> list:

@@ -5,6 +5,8 @@ So while a scene is rendered or saved, its recombination carries a keyframe of e
 that is taken away afterwards.
 """
 
+import re
+
 import bpy
 
 from ..graph import node_groups
@@ -16,6 +18,7 @@ __all__ = ["bake", "forget", "is_animated", "is_baked"]
 
 _BAKED = "relume_baked"  # on the action of a recombination group
 _MIXER = "relume."  # how the paths of the mixer's properties begin
+_PATH = re.compile(r"relume\.(light_groups\[(?P<row>\d+)\]\.)?(blend\[(?P<part>\d+)\]\.)?(?P<name>\w+)")
 
 
 def _trees(scene) -> set:
@@ -67,39 +70,35 @@ def _by_evaluation(scene, frames: list[int]):
 
 
 def _by_curves(scene, frames: list[int]):
-    """The mixer's properties at each frame, without the rest of the scene: it may take seconds to evaluate."""
-    found = [(_owner(scene, curve.data_path), curve) for curve in animation.keyed(scene, _MIXER)]
-    curves = [(*owner, curve) for owner, curve in found if owner]
-    before = [(owner, name, getattr(owner, name)) for owner, name, _ in curves]
-    with mixer.quiet():
-        try:
-            for frame in frames:
-                for owner, name, curve in curves:
-                    _set(owner, name, curve.evaluate(frame))
-                setup.follow(scene, scene.relume)
-                yield
-        finally:
-            for owner, name, value in before:
-                setattr(owner, name, value)
-    setup.follow(scene, scene.relume)
+    """The mixer as its curves say at each frame, without the rest of the scene: it may take seconds to evaluate."""
+    settings, curves = scene.relume, animation.keyed(scene, _MIXER)
+    for frame in frames:
+        said = mixer.choices(settings)
+        for curve in curves:
+            _say(settings, said, curve.data_path, curve.evaluate(frame))
+        setup.follow(scene, said)
+        yield
+    setup.follow(scene, mixer.choices(settings))
 
 
-def _owner(scene, path: str):
-    """(owner, name) of the property at a path; None where there is none any more."""
-    before, _, name = path.rpartition(".")
-    try:
-        owner = scene.path_resolve(before)
-    except ValueError:
-        return None
-    return (owner, name) if hasattr(owner, name) else None
-
-
-def _set(owner, name: str, value: float):
-    kind = owner.bl_rna.properties[name]
-    if kind.type == "ENUM":
-        setattr(owner, name, kind.enum_items[int(value)].identifier)
-    else:
-        setattr(owner, name, bool(value) if kind.type == "BOOLEAN" else value)
+def _say(settings, said: dict, path: str, value: float):
+    """Put the value of a curve into what the mixer says; a path that leads nowhere there says nothing."""
+    found = _PATH.fullmatch(path)
+    if not found:
+        return
+    row, part, name = found["row"], found["part"], found["name"]
+    owner, place = settings, said["balance"]
+    if row:
+        if int(row) >= len(settings.light_groups):
+            return
+        owner = settings.light_groups[int(row)]
+        place = said["light_groups"][owner.name]
+    if part:
+        if name == "weight" and int(part) < len(place["blend"]):
+            place["blend"][int(part)][1] = value
+    elif name in place:
+        kind = owner.bl_rna.properties[name]
+        place[name] = kind.enum_items[int(value)].identifier if kind.type == "ENUM" else type(place[name])(value)
 
 
 def _write(tree, frames: list[int], values: list[list[tuple]]):

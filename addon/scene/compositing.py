@@ -2,6 +2,7 @@
 
 import bpy
 
+from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.picture.recombination import for_passes
 from ..graph import node_groups, nodes
@@ -72,7 +73,7 @@ def _feed(tree, first, group, copies, groups):
     tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
     apart = first.scene.relume.denoises_passes and len(renders) > 1
     for row, name in enumerate(groups):
-        image = "Image" if name == EVERYTHING_ELSE else view_layers.light_pass(name)
+        image = "Image" if name == EVERYTHING_ELSE else light_pass(name)
         for k, node in enumerate(renders):
             part = node.outputs[image]
             if apart:
@@ -130,7 +131,7 @@ def rename(scene, before: str, after: str):
     for render in {render for render, _, _ in fed}:
         render.layer = render.layer  # reads the names of the passes anew
     for render, node, name in fed:
-        tree.links.new(render.outputs[view_layers.light_pass(after)], node.inputs[name])
+        tree.links.new(render.outputs[light_pass(after)], node.inputs[name])
 
 
 def _as_rendered(scene, matrices):

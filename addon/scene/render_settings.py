@@ -6,7 +6,7 @@ from ...core.picture import sampling
 from ..host import animation
 from . import view_layers
 
-__all__ = ["SUBSET", "change_engines", "drive", "give_back", "is_previewing", "keep", "stop_noise"]
+__all__ = ["SUBSET", "change_engines", "compare", "drive", "give_back", "is_previewing", "keep", "stop_noise"]
 
 SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
@@ -49,6 +49,16 @@ def drive(scene, otherwise: dict[str, int]):
         view_layers.drive(scene, name, value)
     if "sample_offset" in otherwise:
         scene.cycles.use_sample_subset = True
+
+
+def compare(scene):
+    """Let renders of a scene for several models differ by the models alone, and not by their noise.
+
+    One seed for all passes; and Cycles ends paths and leaves out lamps with a probability that depends on a channel's
+    own brightness, unless it is told not to. Before set-up, in a scene that nobody saves.
+    """
+    scene.relume.same_seed, scene.relume.split_samples = True, False
+    scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
 
 
 def stop_noise(scene, count: int):

@@ -1,19 +1,17 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from dataclasses import replace
 
 import bpy
 
-from ...core.errors import SetupError
+from ...core.errors import RelumeError, SetupError
 from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination, sampling
 from ...core.picture.mix import Mix
-from ...core.spectra.library import LibraryError
 from ..graph import glass, lights, nodes, sockets, spectra
 from ..host import animation, interruption, inventory
-from ..store import mixer, properties, remarks, schema
+from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
 from . import compositing, content, faults, note, render_settings, rows, view_layers
 from .render_settings import SUBSET
@@ -171,32 +169,20 @@ def _take_back_illuminants(scene):
         del scene[_GIVEN]
 
 
-def lighting(scene, settings=None) -> Mix:
-    """The mix that a scene shows. Raises ValueError, LibraryError where it cannot be shown.
-
-    settings: those of the scene as evaluated at a frame, if not the scene's own.
-    """
-    settings = settings or scene.relume
-    mix = Mix(
-        dict(zip([row.name for row in settings.lit], settings.lights(), strict=True)),
-        white_balance=settings.white_balance,
-        method=settings.white_balance_method,
-        space=bpy.data.colorspace.working_space,
-        observer=settings.seen_by(),
-    )
-    return replace(mix, white=settings.white(scene.relume.model(), mix)) if mix.white_balance > 0.0 else mix
+def lighting(scene) -> Mix:
+    """The mix that a scene shows. Raises RelumeError where it cannot be shown."""
+    return mixes.of(scene.relume, scene.relume.model())
 
 
-def _write_lighting(scene, settings=None):
-    """Write the chosen illuminants into the compositor and the preview: numbers only, and only those that changed."""
-    model, chosen = scene.relume.model(), lighting(scene, settings)
-    compositing.write_matrices(scene, recombination.recombination_matrices(model, chosen))
+def _write_lighting(scene, mix: Mix):
+    """Write a mix into the compositor and the preview: numbers only, and only those that changed."""
+    model = scene.relume.model()
+    compositing.write_matrices(scene, recombination.recombination_matrices(model, mix))
     layers = view_layers.preview_layers(scene)
     if layers:
-        shown = recombination.preview(model, chosen)
+        shown = recombination.preview(model, mix)
         for layer in layers:
             view_layers.write_view(layer, shown)
-    return chosen
 
 
 def _draw_swatches(scene, lights):
@@ -217,8 +203,9 @@ def relight(scene):
     if not settings.is_set_up:
         return
     try:
-        chosen = _write_lighting(scene)
-    except (LibraryError, ValueError) as error:
+        chosen = lighting(scene)
+        _write_lighting(scene, chosen)
+    except RelumeError as error:
         settings["problem"] = str(error)
     else:
         settings["problem"] = ""
@@ -226,28 +213,18 @@ def relight(scene):
     scene.update_tag()
 
 
-def matrices_of(scene, chosen: dict):
-    """(groups, 3, p) recombination matrices of a mix that `mixer.choices` kept. The mixer stays as it is.
-
-    Raises ValueError where the mix cannot be shown.
-    """
-    settings = scene.relume
-    now = mixer.choices(settings)
-    with mixer.quiet():
-        try:
-            mixer.apply(settings, chosen)
-            return recombination.recombination_matrices(settings.model(), lighting(scene))
-        except LibraryError as error:
-            raise ValueError(str(error)) from error
-        finally:
-            mixer.apply(settings, now)
+def matrices_of(scene, snapshot: dict):
+    """(groups, 3, p) recombination matrices of a mix that `schema.snapshot` read. Raises RelumeError."""
+    model = scene.relume.model()
+    return recombination.recombination_matrices(model, mixes.at(scene.relume, snapshot, model))
 
 
-def follow(scene, settings):
-    """Show the mix of `settings`, the scene's own as a frame of an animation evaluates them. Never raises."""
+def follow(scene, said: dict):
+    """Show what `mixer.choices` said, of a frame of an animation. Never raises."""
     try:
-        _write_lighting(scene, settings)
-    except (LibraryError, ValueError) as error:
+        groups = [row.name for row in scene.relume.lit]
+        _write_lighting(scene, mixes.of_choices(said, groups, scene.relume.model()))
+    except RelumeError as error:
         scene.relume["problem"] = str(error)
 
 

@@ -12,7 +12,6 @@ from ...core.picture.sampling import Sampling
 __all__ = [
     "add",
     "drive",
-    "light_pass",
     "pass_layers",
     "preview_layers",
     "remove",
@@ -113,11 +112,6 @@ def add(scene, model, groups: list[str], sampling: Sampling):
             write_view(layer, recombination.coefficient_pass(model, k, len(groups), space))
         source[_SOURCE] = source.name
         source.use = False
-
-
-def light_pass(group: str) -> str:
-    """Name of the render pass that holds a light group."""
-    return f"Combined_{group}"
 
 
 def remove(scene):

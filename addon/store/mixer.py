@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from ...core.errors import RelumeError
 from . import changes
 
 __all__ = [
@@ -21,11 +22,14 @@ __all__ = [
     "LightGroup",
     "Snapshot",
     "apply",
+    "choice",
     "choices",
+    "filled",
     "is_quiet",
     "is_touched",
     "mix_changed",
     "quiet",
+    "spectrum_of",
     "stored_spectrum",
 ]
 
@@ -94,7 +98,7 @@ def _file_chosen(self, context):
         return
     try:
         found = files.illuminant(bpy.path.abspath(self.path))
-    except ValueError as error:
+    except RelumeError as error:
         self.id_data.relume.problem = str(error)
         return
     self["measured"] = json.dumps(found.to_dict())
@@ -232,7 +236,7 @@ class LightGroup(PropertyGroup):
         """The file that was read, and how where it does not stand there so; "" if none was."""
         try:
             return stored_spectrum(self.measured).source
-        except ValueError:
+        except RelumeError:
             return ""
 
     @property
@@ -252,18 +256,7 @@ class LightGroup(PropertyGroup):
 
     def spectrum(self):
         """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
-        from ...core.picture import mixing
-        from ...core.spectra import library
-
-        if self.source == "PLANCKIAN":
-            return library.illuminant(f"Planckian {self.temperature:.0f} K")
-        if self.source == "DAYLIGHT":
-            return library.illuminant(f"D {self.cct:.0f} K")
-        if self.source == "FILE":
-            return stored_spectrum(self.measured)
-        if self.source == "BLEND":
-            return mixing.blend(tuple((library.illuminant(part.illuminant), part.weight) for part in self.blend))
-        return library.illuminant(self.illuminant)
+        return spectrum_of(choice(self))
 
     def light(self):
         """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
@@ -284,13 +277,34 @@ def is_touched(row) -> bool:
     return any(row.is_property_set(name) for name in (*_ROW, "blend"))
 
 
+def choice(row) -> dict:
+    """All that a row of the mixer says, as a snapshot keeps it."""
+    return {name: getattr(row, name) for name in _ROW} | {"blend": [[p.illuminant, p.weight] for p in row.blend]}
+
+
 def choices(settings) -> dict:
     """All that the mixer says, as a snapshot keeps it."""
-    rows = {}
-    for row in settings.light_groups:
-        rows[row.name] = {name: getattr(row, name) for name in _ROW}
-        rows[row.name]["blend"] = [[part.illuminant, part.weight] for part in row.blend]
-    return {"light_groups": rows, "balance": {name: getattr(settings, name) for name in BALANCE}}
+    balance = {name: getattr(settings, name) for name in BALANCE}
+    return {"light_groups": {row.name: choice(row) for row in settings.light_groups}, "balance": balance}
+
+
+def filled(struct, kept: dict) -> dict:
+    """What was kept of a row of the mixer, or of the scene's settings; what is not in it gets its default."""
+    names, blend = (_ROW, {"blend": kept.get("blend", [])}) if isinstance(struct, LightGroup) else (BALANCE, {})
+    return {name: kept.get(name, struct.bl_rna.properties[name].default) for name in names} | blend
+
+
+def spectrum_of(said: dict):
+    """What shines where a row says that, as a Spectrum. Raises LibraryError, SpectrumError."""
+    from ...core.picture import mixing
+    from ...core.spectra import library
+
+    if said["source"] == "FILE":
+        return stored_spectrum(said["measured"])
+    if said["source"] == "BLEND":
+        return mixing.blend(tuple((library.illuminant(name), weight) for name, weight in said["blend"]))
+    named = {"PLANCKIAN": f"Planckian {said['temperature']:.0f} K", "DAYLIGHT": f"D {said['cct']:.0f} K"}
+    return library.illuminant(named.get(said["source"], said["illuminant"]))
 
 
 def apply(settings, chosen: dict) -> list[str]:
@@ -305,21 +319,17 @@ def apply(settings, chosen: dict) -> list[str]:
                 missing.append(group)
                 continue
             row = settings.light_groups[group]
-            _set(row, {name: kept.get(name, _default(row, name)) for name in _ROW})
-            blend = kept.get("blend", [])
-            if [[part.illuminant, part.weight] for part in row.blend] != blend:
+            values = filled(row, kept)
+            _set(row, {name: values[name] for name in _ROW})
+            if choice(row)["blend"] != values["blend"]:
                 row.blend.clear()
-                for illuminant, weight in blend:
+                for illuminant, weight in values["blend"]:
                     part = row.blend.add()
                     part.illuminant, part.weight = illuminant, weight
         if chosen["balance"]:
-            _set(settings, {name: chosen["balance"].get(name, _default(settings, name)) for name in BALANCE})
+            _set(settings, filled(settings, chosen["balance"]))
     mix_changed(settings, bpy.context)
     return missing
-
-
-def _default(struct, name: str):
-    return struct.bl_rna.properties[name].default
 
 
 def _set(struct, values: dict):

@@ -1,16 +1,17 @@
 """What an artist chooses, kept in the scene: channels, the mixer of light groups, white balance."""
 
 import json
-from dataclasses import replace
 from functools import lru_cache
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from . import changes
+from ...core.errors import RelumeError
+from . import changes, mixes
 from .mixer import CLASSES as MIXER_CLASSES
-from .mixer import LightGroup, Snapshot, mix_changed
+from .mixer import LightGroup, Snapshot, is_quiet, mix_changed
+from .mixes import FILE
 
 __all__ = [
     "AUTO",
@@ -49,8 +50,6 @@ SWITCHING = [
 ]
 
 
-FILE = "FILE"
-
 # The standard observers and the cameras that `core.library` knows
 OBSERVERS = [
     ("CIE 1931 2°", "CIE 1931, 2°", "The standard observer of colorimetry: small things"),
@@ -81,24 +80,15 @@ def _observer_chosen(self, context):
     """Read the file of an observer; what cannot be used is told, and the one that was read before stays."""
     from ...core.spectra import files
 
-    if not self.observer_path:
+    if is_quiet() or not self.observer_path:
         return
     try:
         found = files.observer(bpy.path.abspath(self.observer_path))
-    except ValueError as error:
+    except RelumeError as error:
         self.problem = str(error)
         return
     self["observer_measured"] = json.dumps([spectrum.to_dict() for spectrum in found])
     mix_changed(self, context)
-
-
-@lru_cache(maxsize=8)
-def _observer_from(text: str):
-    from ...core.spectra.spectrum import Spectrum, SpectrumError
-
-    if not text:
-        raise SpectrumError("no file of an observer or camera has been read yet: choose one")
-    return tuple(Spectrum.from_dict(one) for one in json.loads(text))
 
 
 def _wiped(self, context):
@@ -247,42 +237,16 @@ class SceneSettings(PropertyGroup):
         return self.is_set_up and not self.exr
 
     def lights(self) -> list:
-        """A `core.mix.Light` for each row of `lit`, with its gain after solo and mute."""
-        from ...core.picture import mixing
-        from ...core.picture.mix import Light
-
-        rows = self.lit
-        gains = mixing.gains([row.stops for row in rows], [row.solo for row in rows], [row.mute for row in rows])
-        return [Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
-
-    def seen_by(self):
-        """The observer, as `core.mix.Mix` takes it. Raises SpectrumError for a file that was not read."""
-        return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
+        """A `core` Light for each row of `lit`, with its gain after solo and mute."""
+        return list(mixes.of(self).lights.values())
 
     @property
     def observer_origin(self) -> str:
         """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
         try:
-            return _observer_from(self.observer_measured)[0].source
-        except ValueError:
+            return mixes.stored_observer(self.observer_measured)[0].source
+        except RelumeError:
             return ""
-
-    def white(self, model, mix):
-        """(3,) XYZ of what becomes white in a `core.mix.Mix`, None for the white of the mix. Raises ValueError."""
-        from ...core.picture import recombination
-        from ...core.picture.mix import Light
-
-        if self.white_source == "GROUP":
-            if self.white_group not in mix.lights:
-                raise ValueError(f"white balance: no light group {self.white_group!r}; choose one")
-            alone = {self.white_group: Light(mix.lights[self.white_group].illuminant)}
-            return recombination.mixed_white(model, replace(mix, lights=alone))
-        if self.white_source == "PIXEL":
-            picked = json.loads(self.white_pixel or "{}")
-            if set(picked) != set(mix.lights) or any(len(c) != model.channels for c in picked.values()):
-                raise ValueError("white balance: no pixel of this render has been picked; pick one in the picture")
-            return recombination.color_of(model, mix, [picked[name] for name in mix.lights])
-        return None
 
 
 CLASSES = (*MIXER_CLASSES, SceneSettings)

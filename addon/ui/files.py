@@ -37,7 +37,7 @@ class RelightExr(Operator):
                 exr.point_at(context.scene, path)
             else:
                 context.window.scene = exr.new_scene(path)
-        except ValueError as error:
+        except RelumeError as error:
             settings.problem = re.sub(r"\s+", " ", str(error))
             self.report({"ERROR"}, settings.problem)
             return {"CANCELLED"}

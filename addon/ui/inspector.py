@@ -7,11 +7,11 @@ from pathlib import Path
 import bpy
 from bpy.types import Operator
 
+from ...core.errors import RelumeError
 from ...core.picture import coefficients
 from ...core.picture.coefficients import CoefficientImageError
-from ...core.picture.mix import Mix
-from ...core.spectra.library import LibraryError
 from ..scene import view_layers
+from ..store import mixes
 
 __all__ = ["CLASSES", "coefficients_of"]
 
@@ -67,7 +67,7 @@ class _Picking:
             with context.temp_override(area=self.area, region=self.region):
                 self.images = coefficients_of(context)
             self.begin(context)
-        except (LibraryError, ValueError, OSError) as error:
+        except (RelumeError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.window_manager.modal_handler_add(self)
@@ -129,8 +129,7 @@ class InspectPixels(_Picking, Operator):
         self.shown = self.pinned = None
         self.words = []
         settings = context.scene.relume
-        lights = dict(zip(self.images, settings.lights(), strict=True))
-        self.model, self.mix = settings.model(), Mix(lights, observer=settings.seen_by())
+        self.model, self.mix = settings.model(), mixes.of(settings)
         self.space = type(self.area.spaces.active)
         self.handle = self.space.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
         context.workspace.status_text_set("Spectrum under the cursor: click to compare with a spot, Esc to end")

@@ -3,7 +3,7 @@
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ...core.errors import SetupError
+from ...core.errors import RelumeError, SetupError
 from ..scene import compositing, light_groups, setup
 from ..store import mixer, schema
 from . import icons
@@ -220,7 +220,7 @@ class Compare(_OfSnapshot, Operator):
         snapshot = self.chosen(context)
         try:
             compositing.compare(scene, setup.matrices_of(scene, schema.snapshot(snapshot.mix)))
-        except (SetupError, ValueError) as error:
+        except RelumeError as error:
             self.report({"ERROR"}, f"{snapshot.name}: {error}")
             return {"CANCELLED"}
         settings.comparing = snapshot.name

@@ -103,9 +103,10 @@ def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict
     """{view layer: {"seconds", "sync_seconds"}}, of the layers for which Cycles notes them in the EXR."""
     times = {}
     for layer in layers:
-        noted = [exr.attribute(path, f"cycles.{layer}.{name}") for name in ("total_time", "synchronization_time")]
-        if all(noted):
-            times[layer] = dict(zip(("seconds", "sync_seconds"), map(_seconds, noted), strict=True))
+        total = exr.attribute(path, f"cycles.{layer}.total_time")
+        sync = exr.attribute(path, f"cycles.{layer}.synchronization_time")
+        if total and sync:
+            times[layer] = {"seconds": _seconds(total), "sync_seconds": _seconds(sync)}
     return times
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import results
-from ..errors import CoefficientImageError, ResultError
+from ..errors import CoefficientImageError, ResultError, UsageError
 from . import blender_exr, description, exr
 from .blender_exr import read_guides, read_render, read_render_times
 from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
@@ -49,7 +49,7 @@ def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
     Works through the image a few rows at a time, in float32; nothing is clamped.
     """
     if len(groups) != len(matrices):
-        raise ValueError(f"{len(groups)} light groups but {len(matrices)} matrices")
+        raise UsageError(f"{len(groups)} light groups but {len(matrices)} matrices")
     height, width, _ = groups[0].shape
     transposed = [np.ascontiguousarray(matrix.T, dtype=np.float32) for matrix in matrices]
     picture = np.empty((height, width, 3), dtype=np.float32)
@@ -104,6 +104,8 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
         spec.attribute(key, value)
     with results.replacing(path) as partial:
         output = oiio.ImageOutput.create(str(partial))
+        if output is None:
+            raise ResultError(f"{path}: cannot be written ({oiio.geterror().strip()})")
         done = output.open(str(partial), spec) and output.write_image(np.ascontiguousarray(pixels))
         message = output.geterror().strip().replace(str(partial), path.name)
         done = output.close() and done

@@ -7,11 +7,15 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .. import results
 from ..errors import CoefficientImageError
 from . import exr
 from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
+
+if TYPE_CHECKING:
+    from .note import Note
 
 __all__ = ["Description", "of_file", "read", "to_json", "write"]
 
@@ -134,7 +138,7 @@ def of_file(path: str | Path, scene: Description | None = None) -> Description:
         raise CoefficientImageError(f"{path}: {error}") from None
 
 
-def _layers(found, passes: int) -> dict[str, tuple[str, ...]]:
+def _layers(found: "Note", passes: int) -> dict[str, tuple[str, ...]]:
     """The artist's view layers of a note with those of their passes, which set-up calls NAME 1, NAME 2, ..."""
     layers = {}
     for each in found.layers:

@@ -1,19 +1,24 @@
 """Reading OpenEXR: named channels, checked to be whole and finite."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import CoefficientImageError
 
+if TYPE_CHECKING:
+    from OpenImageIO import ImageInput, ImageSpec
+
 __all__ = ["attribute", "channels", "names", "read_rgb", "size"]
 
 
 @contextmanager
-def _opened(path: Path):
+def _opened(path: Path) -> Iterator["ImageInput"]:
     import OpenImageIO as oiio
 
     if not path.is_file():
@@ -29,7 +34,7 @@ def _opened(path: Path):
         image.close()
 
 
-def _reason(source) -> str:
+def _reason(source: "ImageInput | ModuleType") -> str:
     """The beginning of what OpenImageIO, or an image of its, says of the last error: without line breaks and path."""
     try:
         words = " ".join(re.sub(r"EXR Error \(.*?\): ", "", source.geterror()).split())
@@ -38,7 +43,7 @@ def _reason(source) -> str:
     return (words[:117] + "...") if len(words) > 120 else words or "no reason given"
 
 
-def _parts(image):
+def _parts(image: "ImageInput") -> Iterator[tuple[int, "ImageSpec"]]:
     """Yield (number, spec) of every part."""
     part = 0
     while image.seek_subimage(part, 0):
@@ -81,7 +86,8 @@ def channels(path: str | Path, wanted: Collection[str]) -> dict[str, np.ndarray]
     Raises CoefficientImageError where a wanted one is missing or cropped, or has pixels that are not finite
     numbers.
     """
-    path, found = Path(path), {}
+    path = Path(path)
+    found: dict[str, np.ndarray] = {}
     with _opened(path) as image:
         for part, spec, held in _holding(path, image, wanted):
             _check_part(path, image, spec, held)
@@ -96,11 +102,11 @@ def channels(path: str | Path, wanted: Collection[str]) -> dict[str, np.ndarray]
     return found
 
 
-def _holding(path: Path, image, wanted: Collection[str]) -> list:
+def _holding(path: Path, image: "ImageInput", wanted: Collection[str]) -> list[tuple[int, "ImageSpec", dict[str, int]]]:
     """(part, spec, {channel: its index}) of the parts that hold wanted channels; all of these are somewhere."""
     holding, missing = [], set(wanted)
     for part, spec in _parts(image):
-        held = {}
+        held: dict[str, int] = {}
         for index, name in enumerate(spec.channelnames):
             if name in missing:
                 held.setdefault(name, index)
@@ -113,7 +119,7 @@ def _holding(path: Path, image, wanted: Collection[str]) -> list:
     return holding
 
 
-def _check_part(path: Path, image, spec, held: Mapping[str, int]) -> None:
+def _check_part(path: Path, image: "ImageInput", spec: "ImageSpec", held: Mapping[str, int]) -> None:
     """A part that is flat and not cropped has the size of the picture, which all parts share."""
     for name, index in held.items():
         if image.format_name() == "openexr" and str(spec.channelformat(index)) not in ("half", "float"):

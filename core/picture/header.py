@@ -5,10 +5,10 @@ that there ever was is read; a newer one is refused. Import it late: msgspec tak
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -29,11 +29,12 @@ VERSION = 1
 LARGEST_GAIN = 1e6
 _LONGEST = 64 << 20  # characters of a description; a scene model of 1,000 reflectances has 2 million
 
+T = TypeVar("T")
 Number = Annotated[float, Meta(ge=-1e12, le=1e12)]
 Degree = Annotated[float, Meta(ge=0, le=1)]
 Gain = Annotated[float, Meta(ge=0, le=LARGEST_GAIN)]
 Name = Annotated[str, Meta(max_length=250)]
-White = Annotated[list[Number], Meta(min_length=3, max_length=3)]
+White = tuple[Number, Number, Number]
 Samples = Annotated[list[Number], Meta(min_length=1, max_length=100_000)]
 
 
@@ -80,7 +81,7 @@ class _Description(Struct):
     mix: Name = ""
 
 
-def to_dict(image: CoefficientImage, groups=None) -> dict[str, Any]:
+def to_dict(image: CoefficientImage, groups: Iterable[str] | None = None) -> dict[str, Any]:
     """The description of an image as JSON has it. groups: its light groups, where the image has no pixels."""
     groups = list(image.groups if groups is None else groups)
     return {
@@ -122,14 +123,14 @@ def parse(text: str) -> tuple[CoefficientImage, Mapping[str, tuple[str, ...]], s
         white_balance_method=found.white_balance_method,
         view={name: value for name, value in msgspec.structs.asdict(found.view).items() if value is not None},
         gains=found.gains,
-        white=None if found.white is None else tuple(found.white),
+        white=found.white,
         observer=_observer(found.observer),
     )
     check(image)
     return image, {source: tuple(layers) for source, layers in found.layers.items()}, found.mix
 
 
-def decoded(kind, text: str):
+def decoded(kind: type[T], text: str) -> T:
     """JSON text as a msgspec type. Raises CoefficientImageError that names the field in plain words."""
     try:
         return msgspec.json.decode(text, type=kind)
@@ -166,13 +167,13 @@ def _check_names(found: _Description) -> None:
     dark = [group for group in found.groups if group not in found.illuminants]
     if dark:
         raise CoefficientImageError(f"illuminants: light group {dark[0]!r} has none")
-    known = {"space": RGB_SPACES, "white_balance_method": ADAPTATIONS}
+    known: dict[str, Collection[str]] = {"space": RGB_SPACES, "white_balance_method": ADAPTATIONS}
     for field, names in known.items():
         if getattr(found, field) not in names:
             raise CoefficientImageError(f"{field}: expected one of {', '.join(names)}, got {getattr(found, field)!r}")
 
 
-def _model(described: Mapping) -> FactorModel:
+def _model(described: Mapping[str, str | list[float | list[float]]]) -> FactorModel:
     numbers = [value for value in described.values() if not isinstance(value, str)]
     if max((len(value) for value in numbers), default=0) > 10_000 or any(
         isinstance(row, list) and len(row) > 1_000 for value in numbers for row in value
@@ -192,14 +193,15 @@ def _spectrum(field: str, text: SpectrumText) -> Spectrum:
         raise CoefficientImageError(f"{field}: {error}") from None
 
 
-def _observer(text):
+def _observer(text: str | list[SpectrumText]) -> str | tuple[Spectrum, Spectrum, Spectrum]:
     if isinstance(text, str):
         try:
             library.sensitivities(text)
         except RelumeError as error:
             raise CoefficientImageError(f"observer: {error}") from None
         return text
-    return tuple(_spectrum("observer", one) for one in text)
+    red, green, blue = (_spectrum("observer", one) for one in text)
+    return red, green, blue
 
 
 def check(image: CoefficientImage) -> None:

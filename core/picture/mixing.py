@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..errors import UsageError
 from ..model import relight
 from ..spectra import library
 from ..spectra.arrays import Array
@@ -27,9 +28,9 @@ def gain(stops: float) -> float:
 
 
 def stops(gain: float) -> float:
-    """The inverse of `gain`. Raises ValueError for a gain of zero or less."""
+    """The inverse of `gain`. Raises UsageError for a gain of zero or less."""
     if not gain > 0.0:
-        raise ValueError(f"a gain of {gain:g} has no number of stops: expected more than 0")
+        raise UsageError(f"a gain of {gain:g} has no number of stops: expected more than 0")
     return float(np.log2(gain))
 
 
@@ -90,7 +91,7 @@ def weights(position: Sequence[float], count: int) -> Array:
     array([1., 0., 0., 0.])
     """
     if count < 1:
-        raise ValueError("the light dial needs at least one illuminant")
+        raise UsageError("the light dial needs at least one illuminant")
     x, y = (float(value) for value in position)
     if count == 1:
         return np.ones(1)

@@ -20,8 +20,10 @@ from ..model import bases, channel_order
 from ..model.factor_model import FactorModel
 from ..spectra import library
 from ..spectra.library import OBSERVER
+from ..spectra.spectrum import Spectrum
 from . import header, mixing
 from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
+from .description import Description
 
 __all__ = [
     "LONGEST",
@@ -115,7 +117,7 @@ def _json(note: Note) -> str:
     return json.dumps(_short(note), separators=(",", ":"), ensure_ascii=False)
 
 
-def _short(value):
+def _short(value: object) -> object:
     """A Struct as JSON has it, without what it would have anyway."""
     if isinstance(value, list):
         return [_short(each) for each in value]
@@ -166,9 +168,16 @@ def read(text: str) -> Note | None:
         raise CoefficientImageError(f"the Relume note is damaged: {error}") from None
 
 
+def _present(text: str) -> Note:
+    note = read(text)
+    if note is None:
+        raise CoefficientImageError("no Relume note")
+    return note
+
+
 @lru_cache(maxsize=64)
 def _image(text: str, model: FactorModel) -> CoefficientImage:
-    note = read(text)
+    note = _present(text)
     # A render's combined pass stands for what no group holds: it comes last
     lights = sorted(note.lights, key=lambda light: light.group == EVERYTHING_ELSE)
     groups = [light.group for light in lights]
@@ -188,20 +197,20 @@ def _image(text: str, model: FactorModel) -> CoefficientImage:
         white_balance_method=note.method,
         view=msgspec.structs.asdict(note.view),
         gains={light.group: light.gain for light in lights},
-        white=None if note.white is None else tuple(note.white),
+        white=note.white,
         observer=note.observer,
     )
     header.check(described)
     return described
 
 
-def _illuminant(named):
+def _illuminant(named: str | list[tuple[str, float]]) -> Spectrum:
     if isinstance(named, str):
         return library.illuminant(named)
     return mixing.blend(tuple((library.illuminant(name), weight) for name, weight in named))
 
 
-def missing(note: Note, given=None) -> str:
+def missing(note: Note, given: Description | None = None) -> str:
     """What a note has only a checksum of, and the `Description` of a sidecar, if `given`, does not have: in words."""
     name, channels, wanted = note.model
     given_model = given is not None and model_checksum(given.image.model) == wanted
@@ -212,8 +221,12 @@ def missing(note: Note, given=None) -> str:
     return ""
 
 
-def image_of(text: str, given=None) -> CoefficientImage:
+def image_of(text: str, given: Description | None = None) -> CoefficientImage:
     """The image, without pixels, that a note describes, of which nothing is `missing`. Raises CoefficientImageError."""
-    note = read(text)
-    model = _shipped(*note.model) or given.image.model
-    return _image(text, model) if note.lights else given.image
+    note = _present(text)
+    model = _shipped(*note.model) or (given.image.model if given else None)
+    if model and note.lights:
+        return _image(text, model)
+    if given is None:
+        raise CoefficientImageError(f"needs {missing(note)}")
+    return given.image

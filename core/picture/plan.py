@@ -13,6 +13,7 @@ import numpy as np
 
 from ..colour import differences
 from ..colour.spaces import REC709, srgb_decoded
+from ..errors import UsageError
 from ..model import bases
 from ..model.factor_model import FactorModel
 from ..model.rules import Fitted
@@ -54,9 +55,9 @@ class Content:
         count = len(self.reflectances) + len(colors)
         shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
         if shares.shape != (count,) or (shares < 0).any():
-            raise ValueError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
+            raise UsageError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
         if not self.lights:
-            raise ValueError("a scene needs at least one light")
+            raise UsageError("a scene needs at least one light")
         object.__setattr__(self, "colors", colors)
         object.__setattr__(self, "shares", shares)
 
@@ -134,7 +135,7 @@ def choose(content: Content, tolerance: float = 1.0) -> Plan:
     makes a spectrum leaves only models of SPECTRUM channels or more.
     """
     if not tolerance > 0:
-        raise ValueError(f"the tolerance is {tolerance}: expected more than 0")
+        raise UsageError(f"the tolerance is {tolerance}: expected more than 0")
     rejected: list[Candidate] = []
     for alternatives in _candidates(content):
         if content.disperses and max(model.channels for model in alternatives) < SPECTRUM:

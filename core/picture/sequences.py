@@ -8,7 +8,7 @@ from ..errors import SequenceError
 __all__ = ["SequenceError", "files", "is_pattern", "numbered"]
 
 
-def is_pattern(path) -> bool:
+def is_pattern(path: str | Path) -> bool:
     """Whether a path stands for a sequence: its name has a # and is not that of a file that is there."""
     return "#" in Path(path).name and not Path(path).is_file()
 
@@ -20,20 +20,20 @@ def _split(path: Path) -> tuple[str, int, str]:
     return found[1], len(found[2]), found[3]
 
 
-def numbered(pattern, frame: int) -> Path:
+def numbered(pattern: str | Path, frame: int) -> Path:
     """The file of one frame; the number has at least as many digits as the pattern has #. Raises SequenceError."""
     pattern = Path(pattern)
     before, digits, after = _split(pattern)
     return pattern.with_name(f"{before}{frame:0{digits}d}{after}")
 
 
-def files(pattern) -> dict[int, Path]:
+def files(pattern: str | Path) -> dict[int, Path]:
     """{frame: path} of a sequence in order. Raises SequenceError where frames are missing, or there twice."""
     pattern = Path(pattern)
     before, digits, after = _split(pattern)
     name = re.compile(rf"{re.escape(before)}(\d{{{digits},}}){re.escape(after)}")
     folder = pattern.parent
-    found = {}
+    found: dict[int, Path] = {}
     for path in folder.iterdir() if folder.is_dir() else ():
         match = name.fullmatch(path.name)
         if match:
@@ -50,7 +50,7 @@ def files(pattern) -> dict[int, Path]:
 
 def _ranges(frames: list[int]) -> str:
     """Sorted numbers in words: "3, 7-9"."""
-    runs = []
+    runs: list[list[int]] = []
     for frame in frames:
         if runs and frame == runs[-1][1] + 1:
             runs[-1][1] = frame

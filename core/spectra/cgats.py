@@ -18,8 +18,10 @@ _LABELS = ("SAMPLE_NAME", "SAMPLE_ID", "SAMPLE_LOC")
 
 def measurements(text: str, name: str) -> list[Measurement]:
     """The spectra in all tables of a text, one Measurement each. Raises SpectrumError, with the line."""
-    found, fields, section, norm, rows = [], [], None, 1.0, 0
-    said = {}  # NUMBER_OF_FIELDS, NUMBER_OF_SETS of this table
+    found: list[Measurement] = []
+    fields: list[str] = []
+    section, norm, rows = "", 1.0, 0
+    said: dict[str, float | None] = {}  # NUMBER_OF_FIELDS, NUMBER_OF_SETS of this table
     for line, row in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1):
         words = [quoted or plain for quoted, plain in _WORD.findall(row)]
         if not words or row.lstrip().startswith("#"):
@@ -35,7 +37,7 @@ def measurements(text: str, name: str) -> list[Measurement]:
             have, key = (rows, "NUMBER_OF_SETS") if section == "BEGIN_DATA" else (len(fields), "NUMBER_OF_FIELDS")
             if said.pop(key, have) != have:
                 raise SpectrumError(f"line {line}: holds {have}, not what {key} says")
-            section = None
+            section = ""
         elif section == "BEGIN_DATA_FORMAT":
             fields += words
         elif section == "BEGIN_DATA":
@@ -49,7 +51,7 @@ def measurements(text: str, name: str) -> list[Measurement]:
         elif words[0] in ("NUMBER_OF_SETS", "NUMBER_OF_FIELDS") and len(words) > 1:
             said[words[0]] = number(words[1])
         elif words[0] == "SPECTRAL_NORM" and len(words) > 1:  # Argyll: what stands for 1
-            norm = number(words[1])
+            norm = number(words[1]) or 0.0
             if norm not in (1.0, 100.0):
                 raise SpectrumError(f"line {line}: SPECTRAL_NORM is {words[1][:40]!r}, neither 1 nor 100")
     if section:
@@ -59,7 +61,7 @@ def measurements(text: str, name: str) -> list[Measurement]:
     return found
 
 
-def _measurement(fields, cells, line, norm, name):
+def _measurement(fields: list[str], cells: list[str], line: int, norm: float, name: str) -> Measurement | None:
     """One line of a table; None where its fields are not spectral."""
     bands = {place: match for place, field in enumerate(fields) if (match := _BAND.fullmatch(field))}
     if not bands:

@@ -25,7 +25,7 @@ _DECIMAL_COMMA = re.compile(
 )
 
 
-def number(cell: str):
+def number(cell: str) -> float | None:
     """The finite decimal number in a cell, None if it is none: `nan`, `1e400`, `0x1p-3` and `1_0` are not."""
     value = float(cell) if _NUMBER.fullmatch(cell) else None
     return value if value is None or abs(value) < float("inf") else None
@@ -75,7 +75,7 @@ def measurement(text: str, name: str) -> Measurement:
     return Measurement(np.array(numbers), values[:, 0], values[:, 1:], names, unit, tuple(per_cent))
 
 
-def _separator(row):
+def _separator(row: str) -> str | None:
     """What separates the cells of a line of numbers: tab, semicolon, comma, or None for blanks."""
     for mark in ("\t", ";"):
         if mark in row.strip():
@@ -86,18 +86,18 @@ def _separator(row):
     return None  # with decimal commas, or none
 
 
-def _cells(row, separator):
+def _cells(row: str, separator: str | None) -> list[str]:
     return row.split() if separator is None else [cell.strip() for cell in row.split(separator)]
 
 
-def _stripped(cells):
+def _stripped(cells: list[str]) -> list[str]:
     """The cells without empty ones at the end, which trailing separators make."""
     while cells and not cells[-1]:
         cells = cells[:-1]
     return cells
 
 
-def _unquoted(row, separator, line):
+def _unquoted(row: str, separator: str | None, line: int) -> str:
     """A line with quoted cells as one with tabs between the cells."""
     if '"' not in row:
         return "\t".join(_cells(row, separator))
@@ -108,7 +108,7 @@ def _unquoted(row, separator, line):
     return "\t".join(cell.replace("\t", " ").strip() for cell in cells)
 
 
-def _check_heading(head, line, count):
+def _check_heading(head: list[str], line: int, count: int) -> None:
     """Raises SpectrumError where the first line is a damaged line of numbers, not a heading."""
     if len(head) == count and _OF_WAVELENGTHS.search(head[0]):
         return  # spectra may be numbered
@@ -117,14 +117,14 @@ def _check_heading(head, line, count):
             raise SpectrumError(f"line {line}: {head[0][:40]!r} is not a number, and {cell[:40]!r} is no heading")
 
 
-def _count(row, separator, head):
+def _count(row: str, separator: str | None, head: list[str]) -> int:
     """How many columns there are: as many as in the first line, or as in the heading where its last cells are empty."""
     cells = _cells(row, separator)
     filled = len(_stripped(cells))
     return len(head) if filled < len(head) <= len(cells) else filled
 
 
-def _check_commas(rows, numbers, separator, head, count):
+def _check_commas(rows: list[str], numbers: list[int], separator: str | None, head: list[str], count: int) -> None:
     """Raises SpectrumError for a file that can be read in two ways."""
     if separator == "," and count > 2 and not any("." in row for row in rows):
         # A heading with a comma in it may have as many parts: "wavelength, nm, R", or "R, old" above 0,5
@@ -143,7 +143,7 @@ def _check_commas(rows, numbers, separator, head, count):
         )
 
 
-def _with_points(rows, numbers):
+def _with_points(rows: list[str], numbers: list[int]) -> list[str]:
     """Lines with decimal points in place of decimal commas. Raises SpectrumError where the commas may be others."""
     body = "\n".join(rows)
     if "," not in body:
@@ -155,7 +155,7 @@ def _with_points(rows, numbers):
             f"line {numbers[comma]}: has a comma in a number, line {numbers[point]} a decimal point: use one of them"
         )
     if not _DECIMAL_COMMA.search(body):
-        cell = re.search(r"[^\s;]*,[^\s;]*", rows[comma])[0]
+        cell = next(cell for cell in re.split(r"[\s;]", rows[comma]) if "," in cell)
         raise SpectrumError(
             f"line {numbers[comma]}: the comma in {cell[:40]!r} may be a decimal mark or stand between thousands: "
             "write decimal points"
@@ -163,7 +163,7 @@ def _with_points(rows, numbers):
     return body.replace(",", ".").split("\n")
 
 
-def _table(rows, numbers, separator, count, with_sign):
+def _table(rows: list[str], numbers: list[int], separator: str | None, count: int, with_sign: bool) -> np.ndarray:
     """(n, count) numbers of lines; a part that is out of the ordinary is read cell by cell, to name line and cell."""
     parts = []
     for first in range(0, len(rows), _PART):
@@ -176,16 +176,19 @@ def _table(rows, numbers, separator, count, with_sign):
     return np.concatenate(parts)
 
 
-def _numbers(row, line, separator, count, with_sign):
+def _numbers(row: str, line: int, separator: str | None, count: int, with_sign: bool) -> list[float]:
     """The numbers in a line."""
     cells = _cells(row, separator)
     while len(cells) > count and not cells[-1]:
         cells.pop()
     if with_sign:
         cells = [cells[0], *(_without_sign(cell, line) for cell in cells[1:])]
-    found = [number(cell) for cell in cells]
-    if None in found:
-        raise SpectrumError(f"line {line}: {cells[found.index(None)][:40]!r} is not a number")
+    found: list[float] = []
+    for cell in cells:
+        value = number(cell)
+        if value is None:
+            raise SpectrumError(f"line {line}: {cell[:40]!r} is not a number")
+        found.append(value)
     if len(found) < 2:
         raise SpectrumError(f"line {line}: needs a wavelength and at least one value")
     if len(found) != count:
@@ -193,7 +196,7 @@ def _numbers(row, line, separator, count, with_sign):
     return found
 
 
-def _plain_table(rows, separator):
+def _plain_table(rows: list[str], separator: str | None) -> np.ndarray | None:
     """(n, columns) numbers where lines hold nothing but digits, marks and separators, by NumPy's fast reader; or None.
 
     That reader takes `nan` and numbers that fill up a float for numbers, and cannot name the line of the file.
@@ -207,7 +210,7 @@ def _plain_table(rows, separator):
         return None
 
 
-def _without_sign(cell, line):
+def _without_sign(cell: str, line: int) -> str:
     if not cell.endswith("%"):
         raise SpectrumError(f"line {line}: {cell[:40]!r} has no % sign; other values have one")
     return cell[:-1].rstrip()

@@ -9,6 +9,7 @@ import codecs
 import csv
 import os
 import stat
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ _MARKS = (
 )
 
 
-def read(path, kind="reflectance"):
+def read(path: str | Path, kind: str = "reflectance") -> list[Spectrum]:
     """The spectra in a file -> list of Spectrum of that `kind`, named by its heading or by the file.
 
     Text in columns: wavelengths in the first, in nm unless its heading says µm, Å, cm⁻¹ or eV, one spectrum in each
@@ -47,7 +48,7 @@ def read(path, kind="reflectance"):
         raise SpectrumError(f"{path}{', ' if str(error).startswith('line ') else ': '}{error}") from None
 
 
-def _found(path, kind):
+def _found(path: Path, kind: str) -> list[measurement.Measurement]:
     data = _bytes(path)
     suffix = path.suffix.lower()
     if suffix in _TM27 or data.removeprefix(codecs.BOM_UTF8)[:1] == b"<":
@@ -58,7 +59,7 @@ def _found(path, kind):
     return [columns.measurement(text, path.stem)]
 
 
-def _bytes(path):
+def _bytes(path: Path) -> bytes:
     """What a regular file holds. Raises SpectrumError for any other, which may never end."""
     try:
         status = path.stat()
@@ -81,7 +82,7 @@ def _bytes(path):
     return data
 
 
-def _text(data):
+def _text(data: bytes) -> str:
     """Text by its byte order mark, else UTF-8, else as Windows and older instruments write. Raises SpectrumError."""
     mark, encoding = next(((mark, name) for mark, name in _MARKS if data.startswith(mark)), (b"", "utf-8"))
     try:
@@ -96,7 +97,7 @@ def _text(data):
     return text
 
 
-def illuminant(path):
+def illuminant(path: str | Path) -> Spectrum:
     """The one illuminant in a file -> Spectrum of kind "illuminant". Raises SpectrumError, also for one in the dark."""
     found = read(path, kind="illuminant")
     if len(found) > 1:
@@ -107,18 +108,19 @@ def illuminant(path):
     return lamp
 
 
-def observer(path):
+def observer(path: str | Path) -> tuple[Spectrum, Spectrum, Spectrum]:
     """Three sensitivities in a file, red, green, blue or x, y, z -> tuple of Spectrum. Raises SpectrumError."""
     found = read(path, kind="sensitivity")
     if len(found) != 3:
         raise SpectrumError(f"{path}: holds {len(found)} spectra; an observer or camera has three sensitivities")
+    red, green, blue = found
     for spectrum in found:
         if not spectrum.sampled().any():
             raise SpectrumError(f"{path}: {spectrum.name!r} responds to nothing between 380 and 780 nm")
-    return tuple(found)
+    return red, green, blue
 
 
-def write(path, spectra):
+def write(path: str | Path, spectra: Spectrum | Iterable[Spectrum]) -> Path:
     """Write spectra as CSV, on the union of their wavelengths -> path. Raises SpectrumError, ResultError.
 
     Every spectrum must be measured over the whole of that range; between its samples it is interpolated.

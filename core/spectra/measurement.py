@@ -38,9 +38,9 @@ class Measurement(NamedTuple):
     lines: np.ndarray
     wavelengths: np.ndarray
     values: np.ndarray
-    names: list
+    names: list[str]
     unit: str = "nm"
-    per_cent: tuple = (False,)
+    per_cent: tuple[bool, ...] = (False,)
 
 
 def is_per_cent(heading: str) -> bool:
@@ -63,9 +63,9 @@ def spectra(found: Measurement, kind: str, source: str) -> list[Spectrum]:
 
     What was read otherwise than it stands there is said in their `source`. Raises SpectrumError, without the file.
     """
-    remarks = []
+    remarks: list[str] = []
     wavelengths = _nanometres(found, kind, remarks)
-    values = _fractions(found, kind, remarks) if kind == "reflectance" else found.values
+    values = _fractions(found, remarks) if kind == "reflectance" else found.values
     values = _within(found, wavelengths, values, kind, remarks)
     _check_samples(found, wavelengths, kind)
     source = ", ".join([source, *dict.fromkeys(remarks)])
@@ -73,7 +73,7 @@ def spectra(found: Measurement, kind: str, source: str) -> list[Spectrum]:
     return [Spectrum(wavelengths, column, name, kind, source) for name, column in zip(names, values.T, strict=True)]
 
 
-def _nanometres(found, kind, remarks):
+def _nanometres(found: Measurement, kind: str, remarks: list[str]) -> np.ndarray:
     """(n,) nm, by the unit that the heading gives."""
     heading = found.unit.lower()
     unit, convert = "nm", _UNITS[0][2]
@@ -103,7 +103,7 @@ def _nanometres(found, kind, remarks):
     return nanometres
 
 
-def _fractions(found, kind, remarks):
+def _fractions(found: Measurement, remarks: list[str]) -> np.ndarray:
     """(n, m) reflectances; those in per cent divided by 100."""
     if not any(found.per_cent):
         return found.values
@@ -111,11 +111,12 @@ def _fractions(found, kind, remarks):
     return found.values / np.where(found.per_cent, 100.0, 1.0)
 
 
-def _within(found, wavelengths, values, kind, remarks):
+def _within(
+    found: Measurement, wavelengths: np.ndarray, values: np.ndarray, kind: str, remarks: list[str]
+) -> np.ndarray:
     """(n, m) values inside the range of their kind; a meter's noise below 0 is 0. Raises SpectrumError."""
-    low, high = RANGES[kind]
-    if kind == "illuminant":
-        low = -NOISE * np.abs(values).max(axis=0)
+    least, high = RANGES[kind]
+    low = -NOISE * np.abs(values).max(axis=0) if kind == "illuminant" else np.full(values.shape[1], least)
     outside = (values < low) | (values > high)
     if outside.any():
         row, column = np.argwhere(outside)[0]
@@ -125,7 +126,7 @@ def _within(found, wavelengths, values, kind, remarks):
             raise SpectrumError(
                 f"{where}the power at {wavelengths[row]:g} nm is negative, {value}; an illuminant's is 0 or more"
             )
-        words = f"{where}{value} is outside the range of {kind}, {RANGES[kind][0]:g} to {high:g}"
+        words = f"{where}{value} is outside the range of {kind}, {least:g} to {high:g}"
         if kind == "reflectance" and not any(found.per_cent) and high < values.max() <= 100 * high:
             words += "; it looks like per cent: write % in the column's heading, or divide by 100"
         raise SpectrumError(words)
@@ -137,7 +138,7 @@ def _within(found, wavelengths, values, kind, remarks):
     return values
 
 
-def _check_samples(found, wavelengths, kind):
+def _check_samples(found: Measurement, wavelengths: np.ndarray, kind: str) -> None:
     """Raises SpectrumError for wavelengths that are repeated, or for one alone where one says nothing of the others."""
     order = np.argsort(wavelengths, kind="stable")
     again = np.flatnonzero(np.diff(wavelengths[order]) <= 0)

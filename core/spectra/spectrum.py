@@ -1,8 +1,11 @@
 """A measured spectrum, and the wavelengths that everything is computed on."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SpectrumError
 
@@ -42,7 +45,7 @@ class Spectrum:
     kind: str = "reflectance"
     source: str = ""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         where = f"spectrum {self.name!r}" if self.name else "spectrum"
         try:
             wavelengths = np.array(self.wavelengths, dtype=np.float64)
@@ -80,7 +83,7 @@ class Spectrum:
         object.__setattr__(self, "wavelengths", wavelengths)
         object.__setattr__(self, "values", values)
 
-    def sampled(self, wavelengths=WAVELENGTHS):
+    def sampled(self, wavelengths: ArrayLike = WAVELENGTHS) -> np.ndarray:
         """Values on `wavelengths` (m,) nm -> (m,), linear between samples.
 
         Reflectances and indices keep their end values outside the measured range, which must not lie wholly outside
@@ -104,7 +107,7 @@ class Spectrum:
                 return self._averaged(wavelengths)
         return np.interp(wavelengths, self.wavelengths, self.values, left=0.0, right=0.0)
 
-    def _averaged(self, wavelengths):
+    def _averaged(self, wavelengths: np.ndarray) -> np.ndarray:
         """Triangle-weighted averages of the piecewise linear spectrum; exact: Simpson's rule between all knots."""
         knots = np.union1d(self.wavelengths, wavelengths)
         left, right = knots[:-1], knots[1:]
@@ -116,7 +119,7 @@ class Spectrum:
         # The end samples stand for half a triangle; dividing by the full step keeps the total power.
         return _shared_out(power, points, wavelengths) / np.gradient(wavelengths)
 
-    def to_dict(self):
+    def to_dict(self) -> dict[str, str | list[float]]:
         """A JSON-able description, for image headers and scene properties."""
         return {
             "name": self.name,
@@ -127,7 +130,7 @@ class Spectrum:
         }
 
     @classmethod
-    def from_dict(cls, description):
+    def from_dict(cls, description: Mapping) -> Self:
         """The inverse of `to_dict`. Raises SpectrumError."""
         try:
             return cls(
@@ -141,7 +144,7 @@ class Spectrum:
             raise SpectrumError("not the description of a spectrum: it needs wavelengths and values") from None
 
 
-def _shared_out(amounts, points, grid):
+def _shared_out(amounts: np.ndarray, points: np.ndarray, grid: np.ndarray) -> np.ndarray:
     """Each of the amounts (n,) at points (n,) shared linearly by its two neighbours on `grid` (m,) -> (m,).
 
     What lies outside the grid is dropped.

@@ -34,9 +34,12 @@ def measurement(data: bytes, name: str, kind: str) -> Measurement:
 
     Raises SpectrumError, with the line; also for a quantity that is not of `kind`.
     """
-    path, lines, samples, words = [], [], [], {}
+    path: list[str] = []
+    lines: list[int] = []
+    samples: list[list[str]] = []
+    words: dict[str, str] = {}
 
-    def start(tag, attributes):
+    def start(tag: str, attributes: dict[str, str]) -> None:
         path.append(tag.rpartition(":")[2])
         words[path[-1]] = ""
         if len(path) == 1 and not path[0].upper().startswith("IESTM27"):
@@ -45,17 +48,17 @@ def measurement(data: bytes, name: str, kind: str) -> Measurement:
             lines.append(parser.CurrentLineNumber)
             samples.append([attributes.get("wavelength", "")])
 
-    def text(characters):
+    def text(characters: str) -> None:
         words[path[-1]] += characters
         if len(words[path[-1]]) > _LONGEST:
             raise SpectrumError(f"line {parser.CurrentLineNumber}: <{path[-1][:40]}> holds more than a spectrum's text")
 
-    def end(_):
+    def end(_: str) -> None:
         if path[-1] == "SpectralData":
             samples[-1].append(words["SpectralData"])
         path.pop()
 
-    def document_type(*_):
+    def document_type(*_: object) -> None:
         raise SpectrumError(f"line {parser.CurrentLineNumber}: has a document type, which TM-27 has not")
 
     parser = expat.ParserCreate()

@@ -25,7 +25,7 @@ def of(groups: int, model=None, **chosen) -> note.Note:
 
 @pytest.mark.parametrize("own", ["", "the artist's, {with} relume and brackets}", "Ä" * 60])
 def test_a_note_says_all_that_it_was_given_and_gives_the_artists_back(own):
-    said = of(3, degree=0.25, method="sharp", white=[0.1 + 0.2, 1.0, 1 / 3], space="ACEScg", observer="CIE 1964 10°")
+    said = of(3, degree=0.25, method="sharp", white=(0.1 + 0.2, 1.0, 1 / 3), space="ACEScg", observer="CIE 1964 10°")
     text = note.joined(own, said)
     assert text.startswith(own) and len(text.encode()) <= note.LONGEST
     assert note.read(text) == said and note.without(text) == own

@@ -449,7 +449,7 @@ WRONG = [
     ("gains", '{"Key": "1"}', "gains: expected a number, got text"),
     ("gains", '{"Moon": 1}', "gains: 'Moon' is no light group"),
     ("space", '"mud"', "space: expected one of Linear Rec.709, .*got 'mud'"),
-    ("white", "[1, 1]", "white: expected a list of length >= 3"),
+    ("white", "[1, 1]", "white: expected a list of length 3"),
     ("white", "[0, 0, 0]", "white_balance: .* dark"),
     ("white_balance", "1.5", "white_balance: expected a number <= 1"),
     ("white_balance_method", '"cat"', "white_balance_method: expected one of bradford, sharp"),
