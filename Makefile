@@ -13,9 +13,10 @@ test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blende
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
 	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py -m ""
 
-lint: .venv/.complete ## Check style and format
+lint: .venv/.complete ## Check style, format and the types of core/
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/mypy core
 
 format: .venv/.complete ## Put the sources into the project's format
 	.venv/bin/ruff check --fix .

@@ -1,9 +1,27 @@
-"""Animated and driven values: what is animated in a data-block, and moving the animation of one value to another.
+"""Animated and driven values: which there are, and moving the animation of one value to another.
 
-A driver between two inputs of one tree would do as well, but to Blender every tree that reads itself is a circle.
+The one place that knows what animates a data-block: its drivers, the slot of its action, and the strips of its NLA
+tracks, each with a slot of its own. Two data-blocks may share an action and not a curve.
+
+A driver between two inputs of one tree would do as well as moving, but to Blender every tree that reads itself is a
+circle.
 """
 
-__all__ = ["is_shared", "move", "paths"]
+import re
+
+__all__ = [
+    "acts_on",
+    "broken",
+    "has_any",
+    "has_strips",
+    "is_animated",
+    "is_driven",
+    "is_shared",
+    "keyed",
+    "move",
+    "paths",
+    "renumber",
+]
 
 _PREFIX = "node_tree."
 
@@ -17,6 +35,54 @@ def paths(tree, owner) -> frozenset[str]:
     return frozenset(found)
 
 
+def has_any(block) -> bool:
+    """Whether anything is there that animates a data-block."""
+    data = block.animation_data
+    return data is not None and bool(data.action or data.drivers or data.nla_tracks)
+
+
+def is_animated(block, path: str) -> bool:
+    """Whether a property of a data-block is animated or driven."""
+    return any(curve.data_path == path for curve in _curves(block))
+
+
+def acts_on(block, beginning: str) -> bool:
+    """Whether anything in a data-block whose path begins so is animated or driven."""
+    return any(curve.data_path.startswith(beginning) for curve in _curves(block))
+
+
+def broken(block) -> list[str]:
+    """Data paths of the drivers of a data-block that could not be worked out when Blender tried last."""
+    data = getattr(block, "animation_data", None)
+    return sorted({c.data_path for c in data.drivers if not c.driver.is_valid}) if data else []
+
+
+def is_driven(block, beginning: str) -> bool:
+    """Whether anything in a data-block whose path begins so is driven."""
+    data = block.animation_data
+    return data is not None and any(curve.data_path.startswith(beginning) for curve in data.drivers)
+
+
+def has_strips(block) -> bool:
+    """Whether NLA strips animate a data-block: then only Blender's own evaluation knows its values."""
+    data = block.animation_data
+    return data is not None and any(track.strips for track in data.nla_tracks)
+
+
+def keyed(block, beginning: str) -> list:
+    """The curves of a data-block's own action, in its slot, whose paths begin so."""
+    data = block.animation_data
+    if data is None or data.action is None:
+        return []
+    return [c for c in _curves_of(data.action, data.action_slot) if c.data_path.startswith(beginning)]
+
+
+def _strips(strips):
+    for strip in strips:
+        yield strip
+        yield from _strips(strip.strips)  # of a meta strip
+
+
 def _actions(block):
     """(action, slot) of everything that animates a data-block but its drivers."""
     data = block.animation_data
@@ -25,17 +91,22 @@ def _actions(block):
     if data.action:
         yield data.action, data.action_slot
     for track in data.nla_tracks:
-        for strip in track.strips:
+        for strip in _strips(track.strips):
             if strip.action:
                 yield strip.action, strip.action_slot
 
 
-def _curves_of(action, slot):
+def _bags(action, slot):
     for layer in action.layers:
         for strip in layer.strips:
             bag = strip.channelbag(slot) if slot else None
             if bag:
-                yield from bag.fcurves
+                yield bag
+
+
+def _curves_of(action, slot):
+    for bag in _bags(action, slot):
+        yield from bag.fcurves
 
 
 def _curves(block):
@@ -59,3 +130,23 @@ def move(block, before: str, after: str) -> bool:
     for curve in moved:
         curve.data_path = after
     return bool(moved)
+
+
+def renumber(block, collection: str, numbers: dict[int, int]):
+    """Let what animates or drives the members of a collection follow them to new places: {old index: new index}.
+
+    What acts on a member that is gone is taken away: it would act on another. What other data-blocks share stays.
+    """
+    member = re.compile(rf"{re.escape(collection)}\[(\d+)\]")
+    if block.animation_data is None:
+        return
+    own = dict.fromkeys((action, slot) for action, slot in _actions(block) if slot and len(slot.users()) == 1)
+    bags = [bag for action, slot in own for bag in _bags(action, slot)]
+    for curves in [block.animation_data.drivers, *(bag.fcurves for bag in bags)]:
+        for curve in list(curves):
+            found = member.match(curve.data_path)
+            old = int(found[1]) if found else None
+            if found and old not in numbers:
+                curves.remove(curve)
+            elif found and numbers[old] != old:
+                curve.data_path = f"{collection}[{numbers[old]}]{curve.data_path[found.end() :]}"

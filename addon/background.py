@@ -1,7 +1,7 @@
 """A report that a second Blender makes of the saved file, while the artist goes on."""
 
 import json
-import re
+import os
 import subprocess
 import sys
 import threading
@@ -11,8 +11,6 @@ import bpy
 
 __all__ = ["Report", "current", "forget", "start"]
 
-_TO_RENDER = re.compile(r"relume: (\d+) passes to render")
-_PASS = re.compile(r"^(.*): pass \d+ of \d+$")
 _current = None
 
 
@@ -36,6 +34,7 @@ class Report:
             text=True,
             encoding="utf-8",
             errors="replace",
+            env=os.environ | {"RELUME_EVENTS": "json"},
         )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -58,25 +57,37 @@ class Report:
         self._reader.join(seconds)
 
     def _read(self):
-        """Follow what the second Blender prints, until it ends."""
+        """Follow what the second Blender tells, until it ends."""
         failure = ""
         for line in self._process.stdout:
-            line = line.rstrip()
-            if found := _TO_RENDER.match(line):
-                self._passes = int(found[1])
-            elif found := _PASS.match(line):
+            told = _event(line)
+            kind = told.get("event")
+            if kind == "passes":
+                self._passes = told["number"]
+            elif kind == "pass":
                 self._rendered += 1
-                self.words = found[1].strip()
-            elif line.startswith("relume: "):
-                failure = line.removeprefix("relume: ")
+                self.words = told["words"]
+            elif kind == "failed":
+                failure = told["words"]
+            elif kind == "rows":
+                self.rows = told["rows"]
         status = self._process.wait()
         if self._stopped:
             self.words = "stopped; the next report goes on from here"
-        elif status:
+        elif status or not self.rows:
+            self.rows = []
             self.words = failure or f"Blender ended with status {status}"
         else:
-            self.rows = json.loads((self.folder / "report.json").read_text(encoding="utf-8"))["rows"]
             self.words = "done"
+
+
+def _event(line: str) -> dict:
+    """What `console.event` told in a line; empty for one that Blender printed by itself, before or besides."""
+    try:
+        told = json.loads(line)
+    except ValueError:
+        return {}
+    return told if isinstance(told, dict) else {}
 
 
 def _command(blend: Path, options: list[str]) -> list[str]:

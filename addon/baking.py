@@ -7,7 +7,7 @@ that is taken away afterwards.
 
 import bpy
 
-from . import compositing, mixer, nodes, setup
+from . import animation, compositing, mixer, nodes, setup
 
 __all__ = ["bake", "forget", "is_animated", "is_baked"]
 
@@ -29,23 +29,14 @@ def is_baked(scene) -> bool:
     return any(_action(tree) for tree in _trees(scene))
 
 
-def _curves(scene) -> list:
-    data = scene.animation_data
-    if not data or not data.action:
-        return []
-    bags = [bag for layer in data.action.layers for strip in layer.strips for bag in strip.channelbags]
-    return [curve for bag in bags for curve in bag.fcurves if curve.data_path.startswith(_MIXER)]
-
-
 def _needs_evaluation(scene) -> bool:
     """Whether the mixer is driven, or animated by strips: only Blender's own evaluation knows its values then."""
-    data = scene.animation_data
-    return bool(data) and (any(d.data_path.startswith(_MIXER) for d in data.drivers) or bool(data.nla_tracks))
+    return animation.is_driven(scene, _MIXER) or animation.has_strips(scene)
 
 
 def is_animated(scene) -> bool:
     """Whether anything in the mixer is keyframed or driven."""
-    return bool(_curves(scene)) or _needs_evaluation(scene)
+    return animation.acts_on(scene, _MIXER)
 
 
 def bake(scene) -> int:
@@ -64,30 +55,40 @@ def bake(scene) -> int:
 
 def _by_evaluation(scene, frames: list[int]):
     before = scene.frame_current
-    for frame in frames:
-        scene.frame_set(frame)
-        yield
-    scene.frame_set(before)
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            yield
+    finally:
+        scene.frame_set(before)
 
 
 def _by_curves(scene, frames: list[int]):
     """The mixer's properties at each frame, without the rest of the scene: it may take seconds to evaluate."""
-    curves = [(*_owner(scene, curve.data_path), curve) for curve in _curves(scene)]
+    found = [(_owner(scene, curve.data_path), curve) for curve in animation.keyed(scene, _MIXER)]
+    curves = [(*owner, curve) for owner, curve in found if owner]
     before = [(owner, name, getattr(owner, name)) for owner, name, _ in curves]
     with mixer.quiet():
-        for frame in frames:
-            for owner, name, curve in curves:
-                _set(owner, name, curve.evaluate(frame))
-            setup.follow(scene, scene.relume)
-            yield
-        for owner, name, value in before:
-            setattr(owner, name, value)
+        try:
+            for frame in frames:
+                for owner, name, curve in curves:
+                    _set(owner, name, curve.evaluate(frame))
+                setup.follow(scene, scene.relume)
+                yield
+        finally:
+            for owner, name, value in before:
+                setattr(owner, name, value)
     setup.follow(scene, scene.relume)
 
 
 def _owner(scene, path: str):
+    """(owner, name) of the property at a path; None where there is none any more."""
     before, _, name = path.rpartition(".")
-    return scene.path_resolve(before), name
+    try:
+        owner = scene.path_resolve(before)
+    except ValueError:
+        return None
+    return (owner, name) if hasattr(owner, name) else None
 
 
 def _set(owner, name: str, value: float):

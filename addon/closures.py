@@ -1,7 +1,7 @@
 """What each input of Blender's shader nodes is to light: spectral, the same at all wavelengths, or neither.
 
 The table is by node type and input identifier. A test walks the node types of the Blender that runs it and fails on
-an input that stands nowhere here.
+an input that is missing here.
 """
 
 import os
@@ -103,7 +103,7 @@ NOT_SPECTRAL = frozenset({
 })
 # fmt: on
 
-# Inputs that Cycles makes a colour of by itself, in RGB, where nothing can be put in between: {input: its own words}
+# Inputs from which Cycles makes a colour in RGB by itself, with no place to step in: {input: words for it}
 CANNOT = {
     "Melanin": "melanin",
     "Melanin Redness": "melanin",
@@ -177,7 +177,7 @@ def spectral_sockets(node) -> list:
 
 
 def in_use(socket, animated=()) -> bool:
-    """Whether a spectral input can show: it cannot where the weight that goes with it is zero, nor black emission.
+    """Whether a spectral input can be seen: not where the weight that goes with it is zero, nor where it emits black.
 
     animated: paths of the values of this tree that are animated or driven.
     """

@@ -2,8 +2,8 @@
 
 import bpy
 
-from ..core import view
 from ..core.coefficients import EVERYTHING_ELSE
+from ..core.recombination import for_passes
 from . import denoise, nodes, passes
 
 __all__ = [
@@ -132,8 +132,8 @@ def rename(scene, before: str, after: str):
 
 def _as_rendered(scene, matrices):
     """Matrices for the images that the scene composites: a render's last may hold all light, a file's never does."""
-    rows = scene.relume.light_groups
-    return view.for_passes(matrices) if not scene.relume.exr and rows[-1].name == EVERYTHING_ELSE else matrices
+    rows = scene.relume.lit
+    return for_passes(matrices) if not scene.relume.exr and rows[-1].name == EVERYTHING_ELSE else matrices
 
 
 def recombinations(scene) -> list:

@@ -1,4 +1,4 @@
-"""What a scene shows and how it is lit, as `core.plan` wants to know it."""
+"""What a scene shows and how it is lit, as `core.plan` needs it."""
 
 from collections import Counter
 
@@ -75,7 +75,7 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
 
 
 def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
-    """What shines in the mixer, or will when the scene is set up. What cannot be used is told there."""
+    """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
     found = {}
     for group in groups:
         row = scene.relume.light_groups.get(group)
@@ -128,6 +128,8 @@ def _materials_at(found, thing, face: int, matrix) -> list:
 def _camera_rays(scene, depsgraph):
     """(origin, direction) of rays spread evenly over the picture."""
     camera = scene.camera
+    if camera.type != "CAMERA":
+        return  # Blender looks through a lamp as well: nobody knows what is seen
     frame = camera.data.view_frame(scene=scene)  # top right, bottom right, bottom left, top left, in camera space
     matrix = camera.evaluated_get(depsgraph).matrix_world
     right, down = frame[0] - frame[3], frame[2] - frame[3]

@@ -4,11 +4,12 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-import bpy
 import numpy as np
 
-from ..core import bases, coefficients, figures, library, measure, view
-from . import denoise, jobs, properties, render, setup
+from ..core import bases, coefficients, figures, library, measure, results, spaces
+from ..core.mix import Light
+from . import console, denoise, properties, render, setup
+from .blend_file import open_scene
 
 __all__ = ["run"]
 
@@ -34,10 +35,10 @@ class _Take:
     image: coefficients.CoefficientImage
     seconds: float
 
-    def lights(self, lighting: str) -> dict[str, view.Light]:
+    def lights(self, lighting: str) -> dict[str, Light]:
         chosen = _LIGHTINGS[lighting]
         return {
-            group: view.Light(library.illuminant(chosen[group] or "E"), 1.0 if chosen[group] else 0.0)
+            group: Light(library.illuminant(chosen[group] or "E"), 1.0 if chosen[group] else 0.0)
             for group in self.image.groups
         }
 
@@ -47,7 +48,7 @@ class _Take:
 
 def _take(scene, folder: Path, model, words: str) -> _Take:
     setup.set_up(scene, model)
-    progress = jobs.Progress(model.passes, f"{words:<22}")
+    progress = console.Progress(model.passes, words)
     began = time.perf_counter()
     try:
         image = render.render(scene, folder, progress).image
@@ -58,33 +59,37 @@ def _take(scene, folder: Path, model, words: str) -> _Take:
 
 def run(folder: Path):
     """Render the room as plain RGB, with nine channels and as the reference; write pictures and print a table."""
-    jobs.writable(folder)
-    bpy.ops.wm.open_mainfile(filepath=str(_ROOM), load_ui=False)
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = _RESOLUTION
-    scene.cycles.samples = _SAMPLES
-    # The same noise everywhere, so that what is compared is the method: else Cycles ends paths and leaves out lamps
-    # with a probability that depends on a channel's own brightness
-    scene.relume.same_seed, scene.relume.split_samples = True, False
-    scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
-    plain = _take(scene, folder, bases.rgb(), "plain RGB")
-    nine = _take(scene, folder, properties.model_for("9"), "Relume, 9 channels")
-    reference = _take(scene, folder, properties.model_for("reference"), "reference")
+    with results.folder(folder):
+        scene = open_scene(_ROOM)
+        scene.render.resolution_x, scene.render.resolution_y = _RESOLUTION
+        scene.cycles.samples = _SAMPLES
+        # The same noise everywhere, so that what is compared is the method: else Cycles ends paths and leaves out lamps
+        # with a probability that depends on a channel's own brightness
+        scene.relume.same_seed, scene.relume.split_samples = True, False
+        scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
+        plain = _take(scene, folder, bases.rgb(), "plain RGB")
+        nine = _take(scene, folder, properties.model_for("9"), "Relume, 9 channels")
+        reference = _take(scene, folder, properties.model_for("reference"), "reference")
+        differences = _compare(plain, nine, reference)
+        with results.together():
+            written = _save(folder, nine) + _draw(folder, plain, nine, reference, differences)
+    _print_table(plain, nine, reference, differences)
+    for path in written:
+        console.wrote(path)
+
+
+def _save(folder: Path, nine: _Take) -> list[Path]:
     written = [folder / "room.exr"]
     coefficients.write(written[0], nine.image, nine.rgb("both"))
     for lighting in _LIGHTINGS:
         written.append(folder / f"room_{lighting}.png")
         render.save_picture(written[-1], _shown(nine, lighting), nine.image)
-    differences = _compare(plain, nine, reference)
-    written += _draw(folder, plain, nine, reference, differences)
-    _print_table(plain, nine, reference, differences)
-    for path in written:
-        print(path)
+    return written
 
 
 def _compare(plain: _Take, nine: _Take, reference: _Take) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """{lighting: ΔE2000 of plain RGB and of nine channels to the reference}, (height, width) each."""
-    to_xyz = np.linalg.inv(view.xyz_to_rgb(reference.image.space))
+    to_xyz = np.linalg.inv(spaces.xyz_to_rgb(reference.image.space))
     white = to_xyz.sum(axis=1)  # of the display: the pictures are shown without white balance
     found = {}
     for lighting in _LIGHTINGS:
@@ -103,13 +108,15 @@ def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences
     for lighting in _LIGHTINGS:
         row = [("Blender RGB", plain), ("Relume, 9 channels", nine), ("Reference, 36 bands", reference)]
         written.append(folder / f"side_by_side_{lighting}.png")
-        figures.picture_row(written[-1], [(title, view.srgb_encoded(_shown(take, lighting))) for title, take in row])
+        with results.replacing(written[-1]) as partial:
+            figures.picture_row(partial, [(title, spaces.srgb_encoded(_shown(take, lighting))) for title, take in row])
     maps = []
     for lighting in ("both", "D65", "sodium"):
         plain_map, nine_map = differences[lighting]
         maps += [(f"Blender RGB, {lighting}", plain_map), (f"Relume, 9 channels, {lighting}", nine_map)]
     written.append(folder / "delta_e.png")
-    figures.delta_e_maps(written[-1], maps)
+    with results.replacing(written[-1]) as partial:
+        figures.delta_e_maps(partial, maps)
     return written
 
 

@@ -71,7 +71,7 @@ def point_at(scene, path: Path):
     files = _files(path)
     image = _check_alike(files)
     settings = scene.relume
-    groups = [row.name for row in settings.light_groups]
+    groups = [row.name for row in settings.lit]
     if list(image.groups) != groups:
         raise CoefficientImageError(
             f"{path}: has the light groups {', '.join(image.groups)}, the mixer has {', '.join(groups)}"

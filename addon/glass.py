@@ -8,16 +8,17 @@ that a spectrum has no stripes. In a scene without Relume they are red, green an
 
 import bpy
 
-from ..core import view
+from ..core import spaces
 from ..core.factor_model import FactorModel
 from ..core.spectrum import Spectrum
 from . import nodes
 from .spectra import SPECTRA, spectra_of
 
-__all__ = ["GLASS_NODES", "disperses", "new_glass", "put_back", "replace", "restore_all", "update_all"]
+__all__ = ["GLASS_NODES", "disperses", "mend_all", "new_glass", "put_back", "replace", "restore_all", "update_all"]
 
 GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 _KIND = "relume_closure"  # on a glass group: which closure it is made of
+_UNFINISHED = "relume_unfinished"  # on a glass group while it gets other nodes
 _SODIUM_D = 589.3  # nm
 
 
@@ -35,7 +36,7 @@ def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", nor
     nodes.add_socket(tree, "BSDF", "Shader", output=True)
     _fill(tree, None)
     for scene in bpy.data.scenes:
-        if scene.relume.is_set_up:
+        if scene.relume.shades:
             _fill(tree, scene.relume.model())
             break
     return tree
@@ -44,7 +45,8 @@ def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", nor
 def _fill(tree, model: FactorModel | None):
     """Build the group for a model's channels, or for red, green and blue."""
     index = spectra_of(tree)["IOR"]
-    plain = view.display_primaries(index)
+    plain = spaces.display_primaries(index)
+    tree[_UNFINISHED] = True
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
     shares = [None] if model is None else model.shares(index)
@@ -70,6 +72,7 @@ def _fill(tree, model: FactorModel | None):
                     tree.links.new(source.outputs[name], closure.inputs[name])
             total = closure.outputs[0] if total is None else _sum(tree, 5, row, total, closure.outputs[0])
     tree.links.new(total, output.inputs["BSDF"])
+    del tree[_UNFINISHED]
 
 
 def _sum(tree, column: int, row: int, a, b):
@@ -137,6 +140,13 @@ def update_all(model: FactorModel):
     """Give every glass of this file the indices of a model's channels."""
     for tree in _local():
         _fill(tree, model)
+
+
+def mend_all(model: FactorModel):
+    """Build what an update that ended part-way left unfinished."""
+    for tree in _local():
+        if _UNFINISHED in tree:
+            _fill(tree, model)
 
 
 def restore_all():

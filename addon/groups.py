@@ -1,7 +1,7 @@
 """Light groups: who belongs to which, new ones by lamp, collection or illuminant, and new names."""
 
 from ..core.coefficients import EVERYTHING_ELSE
-from . import compositing, lights, mixer, setup
+from . import compositing, lights, mixer, rows, setup
 
 __all__ = ["WAYS", "add", "empty", "lamps_of", "regroup", "remove_empty", "rename", "write_gains"]
 
@@ -43,9 +43,7 @@ def rename(scene, before: str, after: str) -> str:
     for layer in scene.view_layers:
         if before in layer.lightgroups:
             layer.lightgroups[before].name = name
-    if scene.relume.white_group == before:
-        with mixer.quiet():
-            scene.relume.white_group = name
+    rows.renamed(scene.relume, before, name)
     if scene.relume.is_set_up:
         compositing.rename(scene, before, name)
     return name
@@ -89,7 +87,7 @@ def add(scene, name: str, things: list) -> int:
 
 def _assign(scene, assigned: list[tuple[str, list]]):
     """Put things into groups, and let new rows of the mixer start as the old ones of their first member were."""
-    settings = scene.relume
+    settings, lit = scene.relume, set(lights.light_groups_of(scene))
     known = mixer.choices(settings)
     starts = {name: known["light_groups"].get(things[0].lightgroup or EVERYTHING_ELSE) for name, things in assigned}
     for name, things in assigned:
@@ -101,6 +99,7 @@ def _assign(scene, assigned: list[tuple[str, list]]):
             if start and name and name not in settings.light_groups:
                 settings.light_groups.add()["name"] = name
                 mixer.apply(settings, {"light_groups": {name: start}, "balance": {}})
+        rows.discard(scene, lit.difference(lights.light_groups_of(scene)))  # what their lamps left
     if settings.is_set_up:
         setup.set_up_afresh(scene)
 
@@ -114,9 +113,8 @@ def empty(scene) -> list[str]:
 def remove_empty(scene) -> list[str]:
     """Remove the groups in which nothing shines, from the mixer and from the view layers; returns their names."""
     names = empty(scene)
-    rows = scene.relume.light_groups
+    rows.discard(scene, names)
     for name in names:
-        rows.remove(rows.find(name))
         for layer in scene.view_layers:
             if name in layer.lightgroups:
                 layer.lightgroups.remove(layer.lightgroups[name])

@@ -10,6 +10,7 @@ from bpy.types import Operator
 from ..core import coefficients
 from ..core.coefficients import CoefficientImageError
 from ..core.library import LibraryError
+from ..core.mix import Mix
 from . import passes
 
 __all__ = ["CLASSES", "coefficients_of"]
@@ -26,7 +27,7 @@ def coefficients_of(context):
 
         return coefficients.read(exr.current_file(scene)).groups
     layers = [layer.name for layer in next(iter(passes.pass_layers(scene).values()))]
-    groups = [row.name for row in scene.relume.light_groups]
+    groups = [row.name for row in scene.relume.lit]
     settings = scene.render.image_settings
     wanted = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
     before = {name: getattr(settings, name) for name in wanted}
@@ -128,7 +129,8 @@ class InspectPixels(_Picking, Operator):
         self.shown = self.pinned = None
         self.words = []
         settings = context.scene.relume
-        self.model, self.lights, self.observer = settings.model(), settings.lights(), settings.seen_by()
+        lights = dict(zip(self.images, settings.lights(), strict=True))
+        self.model, self.mix = settings.model(), Mix(lights, observer=settings.seen_by())
         self.space = type(self.area.spaces.active)
         self.handle = self.space.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
         context.workspace.status_text_set("Spectrum under the cursor: click to compare with a spot, Esc to end")
@@ -142,7 +144,7 @@ class InspectPixels(_Picking, Operator):
             return self.end(context, {"FINISHED"})
         if event.type in {"MOUSEMOVE", "LEFTMOUSE"}:
             found = self.pixel(event)
-            self.shown = found and inspection.inspect(self.model, self.lights, found, self.observer)
+            self.shown = found and inspection.inspect(self.model, self.mix, found)
             if event.type == "LEFTMOUSE" and event.value == "PRESS":
                 self.pinned = self.shown
             self.words = self._words()
@@ -156,7 +158,7 @@ class InspectPixels(_Picking, Operator):
             return ["beside the picture"]
         words = ["XYZ  " + "  ".join(f"{value:.4f}" for value in self.shown.xyz)]
         if self.pinned is not None:
-            apart = inspection.difference(self.shown, self.pinned, self.model, self.lights, self.observer)
+            apart = inspection.difference(self.model, self.mix, self.shown, self.pinned)
             words.append(f"ΔE2000 to the clicked spot  {apart:.2f}")
         return words
 

@@ -8,6 +8,7 @@ __all__ = ["Inventory", "take"]
 class Inventory:
     """The data-blocks that a scene reaches, in the order of its objects.
 
+    blocks: all of them, the scene first.
     objects: those of the scene, then those that collections, Geometry Nodes and particles bring in.
     materials: {material: the first object that shows it, or None}.
     """
@@ -16,6 +17,7 @@ class Inventory:
         reached = _reached(scene, uses)
         own = list(scene.objects)
         known = set(own)
+        self.blocks = list(reached)
         self.objects = own + [block for block in reached if isinstance(block, bpy.types.Object) and block not in known]
         self.world = scene.world
         self._uses = uses
@@ -29,7 +31,7 @@ class Inventory:
 
     @property
     def lights(self) -> dict:
-        """{light: the first object that it is}."""
+        """{light: the first object that uses it}."""
         found = {}
         for thing in self.objects:
             if thing.type == "LIGHT":

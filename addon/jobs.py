@@ -1,55 +1,27 @@
 """What the commands do: render a scene into files, relight a file."""
 
+import hashlib
 import json
 import os
 import sys
 from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
 import bpy
 
-from ..core import coefficients, library, sequences, view
-from . import denoise, render, setup
-from .setup import SetupError
+from ..core import coefficients, library, results, sequences
+from ..core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
+from ..core.mix import GAINS, Light
+from . import arguments, console, denoise, render, setup
 
-__all__ = ["Progress", "file_name", "relight_file", "render_scene", "writable"]
+__all__ = ["file_name", "relight_file", "render_scene"]
 
-
-class Progress:
-    """One line in a terminal that moves; in a log, one line for each pass."""
-
-    def __init__(self, passes: int, words: str = "rendering"):
-        self.passes, self.words, self.last = passes, words, -1
-        self.moving = sys.stderr.isatty()
-
-    def __call__(self, index: int, part: float):
-        if self.moving:
-            width = 30
-            filled = round(width * (index + part) / self.passes)
-            bar = "█" * filled + "·" * (width - filled)
-            print(f"\r{self.words}  {bar}  pass {index + 1} of {self.passes}", end="", file=sys.stderr, flush=True)
-        elif index != self.last:
-            print(f"{self.words}: pass {index + 1} of {self.passes}", file=sys.stderr, flush=True)
-        self.last = index
-
-    def done(self):
-        if self.moving and self.last >= 0:
-            print(file=sys.stderr)
-
-
-def writable(folder: Path) -> Path:
-    """Make a folder for results, and make sure that files can be written there before anything long begins."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".relume-probe"
-        probe.write_bytes(b"")
-        probe.unlink()
-    except OSError as error:
-        raise OSError(f"{folder}: cannot write there ({error.strerror})") from error
-    return folder
+_LONGEST = 100  # bytes of a name within a file's; file systems end at 255
 
 
 def _prepare(scene, channels: str | None, samples: int | None):
@@ -71,77 +43,102 @@ def _choose_illuminants(scene, chosen: list[str]) -> list[str]:
         if not equals:
             plain.append(name)
             continue
-        if group not in scene.relume.light_groups:
-            known = ", ".join(row.name for row in scene.relume.light_groups)
-            raise SetupError(f"scene {scene.name!r} has no light group {group!r}; it has {known}")
+        names = [row.name for row in scene.relume.lit]
+        if group not in names:
+            raise SetupError(f"scene {scene.name!r} has no light group {group!r}; it has {', '.join(names)}")
         scene.relume.light_groups[group].source = "LIBRARY"
         scene.relume.light_groups[group].illuminant = name
     return plain
 
 
 def file_name(text: str) -> str:
-    """A name as part of a file's: without what some file systems forbid."""
-    return "".join("-" if c in '/\\:*?"<>|' else c for c in text).replace(" ", "_")
+    """A name as part of a file's: without what some file systems forbid, and not too long for any."""
+    name = "".join("-" if c in '/\\:*?"<>|' or not c.isprintable() else c for c in text).replace(" ", "_")
+    if len(name.encode()) <= _LONGEST:
+        return name
+    short = name.encode()[: _LONGEST - 9].decode(errors="ignore")
+    return f"{short}-{hashlib.sha1(name.encode()).hexdigest()[:8]}"
 
 
-def render_scene(scene, arguments):
-    """`relume render`: the coefficient EXR, a picture for each illuminant, and summary.json."""
-    _prepare(scene, arguments.channels, arguments.samples)
-    settings = scene.relume
-    plain = _choose_illuminants(scene, arguments.illuminant)
-    folder = writable(arguments.out)
+def render_scene(scene, told):
+    """`relume render`: for each frame the coefficient EXR and a picture for each illuminant; then summary.json."""
+    if told.out.suffix.lower() in render.FORMATS and not told.out.is_dir():
+        raise UsageError(f"{told.out}: expected a folder; the scene and the illuminants name the pictures")
+    _prepare(scene, told.channels, told.samples)
+    plain = _choose_illuminants(scene, told.illuminant)
     stem = Path(bpy.data.filepath).stem or "untitled"
-    frames = arguments.frame or [scene.frame_current]
-    if settings.plan.get("reason"):
-        print(settings.plan["reason"], file=sys.stderr)
-    summary = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
-    summary |= {"model": settings.model().name, "reason": settings.plan.get("reason", ""), "frames": []}
-    for frame in frames:
-        scene.frame_set(frame)
-        name = stem if arguments.frame is None else f"{stem}_{frame:04d}"
-        summary["frames"].append(_render_frame(scene, folder, name, plain, frame))
-    path = folder / "summary.json"
-    partial = path.with_suffix(".partial")
-    partial.write_text(json.dumps(summary, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
-    partial.replace(path)
-    print(path)
+    if scene.relume.plan.get("reason"):
+        console.say(scene.relume.plan["reason"])
+    if scene.cycles.use_denoising and not denoise.available():
+        console.say("this Blender has no denoiser; the pictures keep their noise")
+    with results.folder(told.out) as folder:
+        for frame in [scene.frame_current] if told.frame is None else told.frame:
+            name = stem if told.frame is None else f"{stem}_{frame:04d}"
+            _claim_frame(scene, folder, name, plain, frame, told.resume)
+        console.wrote(folder / "summary.json")
 
 
-def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) -> dict:
-    progress = Progress(scene.relume.model().passes, f"rendering {name}")
-    denoises = scene.cycles.use_denoising and denoise.available()
-    if scene.cycles.use_denoising and not denoises:
-        print("relume: this Blender has no denoiser; the pictures keep their noise", file=sys.stderr)
+def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool):
+    """Render a frame, unless it is there or another process is at it and both may be left as they are."""
+    scene.frame_set(frame)
+    exr = folder / f"{name}.exr"
+    pictures = {label: folder / f"{name}_{file_name(label)}.png" for label in plain or [_own_mix(scene)]}
+    if len({path.name.casefold() for path in pictures.values()}) < len(pictures):
+        raise UsageError(f"{', '.join(pictures)}: two of these illuminants would give pictures of one name")
+    for path in (exr, *pictures.values(), folder / "summary.json"):
+        results.expect(path)
+
+    def wait():
+        console.say(f"{exr}: another process renders this frame; waiting for it to end")
+
+    with results.claim(exr, None if resume else wait) as claimed:
+        if not claimed:
+            console.say(f"{exr}: another process renders this frame; skipped")
+        elif resume and _is_whole(scene, exr, pictures.values()):
+            console.say(f"{exr}: kept")
+        else:
+            _render_frame(scene, exr, pictures, bool(plain), frame)
+
+
+def _own_mix(scene) -> str:
+    return "+".join(dict.fromkeys(row.label for row in scene.relume.lit))
+
+
+def _is_whole(scene, exr: Path, pictures) -> bool:
+    """Whether a frame is there, newer than the .blend, of as many channels as asked for, and can be read."""
+    blend = Path(bpy.data.filepath)
+    if not all(_is_newer(path, blend) for path in (exr, *pictures)):
+        return False
     try:
-        rendered = render.render(scene, folder, progress, denoise.guides_of(scene) if denoises else None)
+        for path in pictures:
+            coefficients.read_rgb(path)
+        return coefficients.read(exr).model.to_dict() == scene.relume.model().to_dict()
+    except CoefficientImageError as error:
+        console.say(f"{error}; rendered again")
+        return False
+
+
+def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int):
+    """Render the current frame; names: {illuminant: its picture}. All files appear at the end, or none."""
+    progress = console.Progress(scene.relume.model().passes, f"rendering {exr.stem}")
+    denoises = scene.cycles.use_denoising and denoise.available()
+    try:
+        rendered = render.render(scene, exr.parent, progress, denoise.guides_of(scene) if denoises else None)
     finally:
         progress.done()
     image = rendered.image
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
-    mixes = {"+".join(dict.fromkeys(row.label for row in scene.relume.light_groups)): lights}
+    mixes = dict.fromkeys(names, lights)
     if plain:
         # The scene's own mix is a picture of its own only where the caller asked for no other
-        mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in plain}
+        mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in names}
     clean = denoise.denoised_image(image, rendered.guides, denoise.prefilter_of(scene)) if denoises else image
-    pictures = {n: render.picture(clean, mix) for n, mix in mixes.items()}
-    lit = render.picture(image, lights)
-    written = []
-    try:
-        path = folder / f"{name}.exr"
-        coefficients.write(path, image, lit)
-        written.append(path)
-        for illuminant, rgb in pictures.items():
-            path = folder / f"{name}_{file_name(illuminant)}.png"
-            render.save_picture(path, rgb, image)
-            written.append(path)
-    except OSError:
-        for path in written:
-            path.unlink(missing_ok=True)
-        raise
-    for path in written:
-        print(path)
-    return {
+    written = [exr, *names.values()]
+    summary = exr.with_name("summary.json")
+    record = {
         "frame": frame,
+        "scene": bpy.data.filepath,
+        "channels": image.model.channels,
         "size": list(image.size),
         "samples": {layer: times["samples"] for layer, times in rendered.times.items()},
         "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
@@ -149,40 +146,93 @@ def _render_frame(scene, folder: Path, name: str, plain: list[str], frame: int) 
         "illuminants": list(mixes),
         "files": [path.name for path in written],
     }
+    with ExitStack() as until_there, results.together():
+        coefficients.write(exr, image, render.picture(image, lights))
+        for label, mix in mixes.items():
+            render.save_picture(names[label], render.picture(clean, mix), image)
+        until_there.enter_context(results.claim(summary, waiting=lambda: None))
+        results.write_text(summary, _summary(scene, summary, record))
+    for path in written:
+        console.wrote(path)
 
 
-def _lights_of(image, chosen: list[str]) -> dict[str, view.Light]:
+def _summary(scene, path: Path, record: dict) -> str:
+    """summary.json with one more frame, or with a frame replaced; what other runs noted stays."""
+    settings = scene.relume
+    head = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
+    head |= {"model": settings.model().name, "reason": settings.plan.get("reason", "")}
+    frames = {each["files"][0]: each for each in _noted(path)}
+    frames[record["files"][0]] = record
+    ordered = sorted(frames.values(), key=lambda each: (each["files"][0].rpartition("_")[0], each["frame"]))
+    return json.dumps(head | {"frames": ordered}, indent=2, ensure_ascii=False) + "\n"
+
+
+def _noted(path: Path) -> list[dict]:
+    """The frames in a summary.json. Raises ResultError for a file that is something else."""
+    try:
+        frames = json.loads(path.read_text(encoding="utf-8"))["frames"]
+        if all(isinstance(each["files"][0], str) and isinstance(each["frame"], int) for each in frames):
+            return frames
+    except FileNotFoundError:
+        return []
+    except (ValueError, TypeError, LookupError):
+        pass
+    raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
+
+
+def _lights_of(image, chosen: list[str]) -> dict[str, Light]:
     """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
-    lights = {group: view.Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
     for text in chosen:
         group, equals, what = text.rpartition("=")
-        name, _, gain = what.partition("*")
+        name, star, gain = what.partition("*")
         if not equals:
-            raise ValueError(f"--light {text}: expected GROUP=ILLUMINANT or GROUP=ILLUMINANT*GAIN")
+            raise UsageError(f"--light {text}: expected GROUP=ILLUMINANT or GROUP=ILLUMINANT*GAIN")
         if group not in lights:
-            raise ValueError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
+            raise UsageError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
         try:
-            lights[group] = view.Light(library.illuminant(name), float(gain or 1.0))
-        except ValueError as error:
-            raise ValueError(f"--light {text}: {gain!r} is not a number") from error
+            lights[group] = Light(library.illuminant(name), arguments.number(gain, *GAINS) if star else 1.0)
+        except UsageError as error:
+            raise UsageError(f"--light {text}: the gain {error}") from error
     return lights
 
 
-def relight_file(arguments):
+def relight_file(told):
     """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
-    if arguments.out.suffix.lower() not in render.FORMATS:
-        raise ValueError(f"{arguments.out}: a picture's name ends in {', '.join(render.FORMATS)}")
-    sources = _sources(arguments.coefficients, arguments.out)
-    waiting = {out: source for out, source in sources.items() if not (arguments.resume and _is_newer(out, source))}
+    if told.out.suffix.lower() not in render.FORMATS:
+        raise UsageError(f"{told.out}: a picture's name ends in {', '.join(render.FORMATS)}")
+    sources = _sources(told.coefficients, told.out)
+    _check_apart(sources)
+    waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
     for source in waiting.values():
-        _lights_of(coefficients.describe(source), arguments.light)  # tells what is wrong before any picture is made
-    writable(arguments.out.parent)
-    for number, (out, image, rgb) in enumerate(_relit(waiting, arguments), 1):
-        render.save_picture(out, rgb, image)
-        print(out, flush=True)
-        if len(sources) > 1:
-            done = len(sources) - len(waiting) + number
-            print(f"relit {done} of {len(sources)}", file=sys.stderr, flush=True)
+        _lights_of(coefficients.describe(source), told.light)  # tells what is wrong before any picture is made
+    with results.folder(told.out.parent):
+        for out in waiting:
+            results.expect(out)
+        for number, (out, image, rgb) in enumerate(_relit(waiting, told), 1):
+            render.save_picture(out, rgb, image)
+            console.wrote(out)
+            if len(sources) > 1:
+                done = len(sources) - len(waiting) + number
+                console.event("relit", number=done, of=len(sources)) or print(
+                    f"relit {done} of {len(sources)}", file=sys.stderr, flush=True
+                )
+
+
+def _check_apart(sources: dict[Path, Path]):
+    """Raise UsageError where a picture would take the place of coefficients, by whatever name or link."""
+    taken = {_identity(source) for source in sources.values()} - {None}
+    for out in sources:
+        if _identity(out) in taken:
+            raise UsageError(f"{out}: holds coefficients to be relit; choose another name for the picture")
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
 
 
 def _sources(path: Path, out: Path) -> dict[Path, Path]:
@@ -190,7 +240,7 @@ def _sources(path: Path, out: Path) -> dict[Path, Path]:
     if not sequences.is_pattern(path):
         return {out: path}
     if not sequences.is_pattern(out):
-        raise sequences.SequenceError(f"{out}: expected #### for the frame number, as in {path.name}")
+        raise SequenceError(f"{out}: expected #### for the frame number, as in {path.name}")
     return {sequences.numbered(out, frame): source for frame, source in sequences.files(path).items()}
 
 
@@ -198,13 +248,13 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
-def _relit(waiting: dict[Path, Path], arguments):
+def _relit(waiting: dict[Path, Path], told) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
     def relit(item):
         out, source = item
         image = coefficients.read(source)
-        return out, image, render.picture(image, _lights_of(image, arguments.light), arguments.white)
+        return out, image, render.picture(image, _lights_of(image, told.light), told.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

@@ -18,7 +18,7 @@ _WAIT = 0.01  # seconds: Blender draws first
 
 def work_out(scene) -> list[plan.LeftOut]:
     """What the set-up of a scene does without: finer models, other render passes, materials that it does not show."""
-    model, groups = scene.relume.model(), len(scene.relume.light_groups)
+    model, groups = scene.relume.model(), len(scene.relume.lit)
     part = scene.render.resolution_percentage / 100
     pixels = int(scene.render.resolution_x * part) * int(scene.render.resolution_y * part)
     found = plan.left_out(model, content.content_of(scene), pixels, groups)

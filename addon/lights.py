@@ -26,12 +26,13 @@ __all__ = [
     "first_illuminant",
     "group_of",
     "has_emitters",
-    "is_too_long",
     "light_groups_of",
+    "members_of",
     "restore",
     "strength_sockets",
     "take_colors",
     "temperatures_of",
+    "why_unusable",
 ]
 
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
@@ -52,14 +53,28 @@ def light_groups_of(scene) -> list[str]:
 
     `EVERYTHING_ELSE` comes last if anything that shines belongs to none.
     """
-    names = list(dict.fromkeys(thing.lightgroup for thing in emitters_of(scene)))
-    kept = [name for name in names if name and not is_too_long(name)]
-    return [*kept, EVERYTHING_ELSE] if len(kept) < len(names) else kept
+    return list(members_of(scene))
 
 
-def is_too_long(group: str) -> bool:
-    """Whether the name of a light group does not fit that of its render pass: Blender then renders nothing into it."""
-    return len(group.encode()) > LONGEST
+def members_of(scene) -> dict[str, list[str]]:
+    """{light group: names of what shines in it}, in the order of `light_groups_of`."""
+    found = {}
+    for thing in emitters_of(scene):
+        found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(
+            f"{thing.id_type} {thing.name}"
+        )
+    rest = [*found.pop("", ()), *found.pop(EVERYTHING_ELSE, ())]
+    return found | ({EVERYTHING_ELSE: rest} if rest else {})
+
+
+def why_unusable(group: str) -> str:
+    """Why Blender renders nothing into a light group of that name, "" if it does."""
+    if len(group.encode()) > LONGEST:
+        return "the name of this light group is too long for a render pass: its lamps belong to everything else"
+    if "." in group:
+        # Only scripts and old files give objects such a group: a view layer would call it by another name
+        return "Blender has no light group with a dot in its name: its lamps belong to everything else; rename it"
+    return ""
 
 
 def strength_sockets(tree) -> list:
@@ -134,9 +149,14 @@ def _obstacle(light) -> str:
         return "its temperature is animated: its colour stays RGB"
     if "color" in moving and animation.is_shared(light, "color"):
         return "its animation is that of other lamps too: its colour stays RGB"
-    if light.use_nodes and not sockets.emits(light.node_tree):
+    if _uses_nodes(light) and not sockets.emits(light.node_tree):
         return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"
     return ""
+
+
+def _uses_nodes(light) -> bool:
+    """Whether the nodes of a lamp say how it shines; since Blender 5.1 they always do."""
+    return light.node_tree is not None if bpy.app.version >= (5, 1, 0) else light.use_nodes
 
 
 def _take_color(light) -> Lamp:
@@ -145,9 +165,9 @@ def _take_color(light) -> Lamp:
             "color": list(light.color),
             "temperature": light.temperature if light.use_temperature else 0.0,
             "glow": list(light.temperature_color) if light.use_temperature else [1.0, 1.0, 1.0],
-            "use_nodes": light.use_nodes,
+            "use_nodes": _uses_nodes(light),
         }
-    if not light.use_nodes:
+    if not _uses_nodes(light):
         light.use_nodes = True
     light.use_temperature = False
     light.color = (1.0, 1.0, 1.0)

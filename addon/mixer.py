@@ -200,6 +200,9 @@ class LightGroup(PropertyGroup):
         name="Solo", description="Show only this light group and others that are solo", update=mix_changed
     )
     mute: BoolProperty(name="Mute", description="Switch this light group off", update=mix_changed)
+    is_lit: BoolProperty(
+        name="Lit", description="Whether anything shone in this light group at set-up", default=True, options={"HIDDEN"}
+    )
     is_open: BoolProperty(name="Details", description="Show the spectrum and the settings of this light group")
     swatch: FloatVectorProperty(
         name="Colour of a White in This Light", subtype="COLOR_GAMMA", size=3, default=(1, 1, 1)
@@ -250,10 +253,10 @@ class LightGroup(PropertyGroup):
         return library.illuminant(self.illuminant)
 
     def light(self):
-        """The `core.view.Light` of this row alone. Raises as `spectrum` does."""
-        from ..core import view
+        """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
+        from ..core.mix import Light
 
-        return view.Light(self.spectrum(), self.gain)
+        return Light(self.spectrum(), self.gain)
 
 
 class Snapshot(PropertyGroup):
@@ -278,7 +281,10 @@ def choices(settings) -> dict:
 
 
 def apply(settings, chosen: dict) -> list[str]:
-    """Put back what `choices` kept; returns the names of light groups that the mixer no longer has."""
+    """Put back what `choices` kept; returns the names of light groups that the mixer no longer has.
+
+    What it kept not, for it is older than that property, gets its default.
+    """
     missing = []
     with quiet():
         for group, kept in chosen["light_groups"].items():
@@ -286,15 +292,21 @@ def apply(settings, chosen: dict) -> list[str]:
                 missing.append(group)
                 continue
             row = settings.light_groups[group]
-            _set(row, {name: kept[name] for name in _ROW})
-            if [[part.illuminant, part.weight] for part in row.blend] != kept["blend"]:
+            _set(row, {name: kept.get(name, _default(row, name)) for name in _ROW})
+            blend = kept.get("blend", [])
+            if [[part.illuminant, part.weight] for part in row.blend] != blend:
                 row.blend.clear()
-                for illuminant, weight in kept["blend"]:
+                for illuminant, weight in blend:
                     part = row.blend.add()
                     part.illuminant, part.weight = illuminant, weight
-        _set(settings, chosen["balance"])
+        if chosen["balance"]:
+            _set(settings, {name: chosen["balance"].get(name, _default(settings, name)) for name in BALANCE})
     mix_changed(settings, bpy.context)
     return missing
+
+
+def _default(struct, name: str):
+    return struct.bl_rna.properties[name].default
 
 
 def _set(struct, values: dict):

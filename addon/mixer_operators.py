@@ -1,11 +1,10 @@
 """What the mixer's buttons do."""
 
-import json
-
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from . import compositing, groups, icons, mixer, setup
+from ..core.errors import SetupError
+from . import compositing, groups, icons, mixer, schema, setup
 
 __all__ = ["CLASSES", "NeedsSetUp"]
 
@@ -152,7 +151,7 @@ class TakeSnapshot(NeedsSetUp, Operator):
         taken = {snapshot.name for snapshot in settings.snapshots}
         number = next(n for n in range(1, len(taken) + 2) if f"Mix {n}" not in taken)
         snapshot = settings.snapshots.add()
-        snapshot.name, snapshot.mix = f"Mix {number}", json.dumps(mixer.choices(settings))
+        snapshot.name, snapshot.mix = f"Mix {number}", schema.snapshot_text(mixer.choices(settings))
         settings.active_snapshot = len(settings.snapshots) - 1
         return {"FINISHED"}
 
@@ -193,7 +192,11 @@ class ApplySnapshot(_OfSnapshot, Operator):
     bl_label = "Apply Snapshot"
 
     def execute(self, context):
-        missing = mixer.apply(context.scene.relume, json.loads(self.chosen(context).mix))
+        try:
+            missing = mixer.apply(context.scene.relume, schema.snapshot(self.chosen(context).mix))
+        except SetupError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         if missing:
             self.report({"WARNING"}, f"the mixer has no light group {', '.join(missing)}: the rest is applied")
         return {"FINISHED"}
@@ -213,8 +216,8 @@ class Compare(_OfSnapshot, Operator):
             return {"FINISHED"}
         snapshot = self.chosen(context)
         try:
-            compositing.compare(scene, setup.matrices_of(scene, json.loads(snapshot.mix)))
-        except ValueError as error:
+            compositing.compare(scene, setup.matrices_of(scene, schema.snapshot(snapshot.mix)))
+        except (SetupError, ValueError) as error:
             self.report({"ERROR"}, f"{snapshot.name}: {error}")
             return {"CANCELLED"}
         settings.comparing = snapshot.name

@@ -26,13 +26,15 @@ def _draw_row(layout, settings, row, index: int):
     box = layout.box().column(align=True)
     box.use_property_split = False
     line = box.row(align=True)
-    line.active = not row.mute and (row.solo or not any(other.solo for other in settings.light_groups))
+    line.active = row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
     line.prop(row, "is_open", text="", icon="DOWNARROW_HLT" if row.is_open else "RIGHTARROW", emboss=False)
     icon = icons.swatch_and_curve(row.get(icons.CURVE, ()), row.swatch)
     if row.name == EVERYTHING_ELSE:
         line.label(text=row.name)
     else:
         line.prop(row, "name", text="")
+    if not row.is_lit:
+        line.label(text="no lights")
     gain = line.row(align=True)
     gain.ui_units_x = 4.2
     gain.prop(row, "stops", text="")

@@ -355,8 +355,8 @@ def matrix_sockets(tree) -> list:
 
 
 def clear_orphans():
-    """Delete the shared groups that nothing uses any more (a spectrum is the artist's: it stays)."""
-    roles = (*INSERTED, "recombination", "comparison", "view")
+    """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays)."""
+    roles = ("compositing", *INSERTED, "recombination", "comparison", "view")
     for role_name in roles:
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:

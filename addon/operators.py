@@ -42,7 +42,11 @@ class RemoveSpectralRender(NeedsSetUp, Operator):
     def execute(self, context):
         from . import setup
 
-        setup.remove(context.scene)
+        try:
+            setup.remove(context.scene)
+        except setup.SetupError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

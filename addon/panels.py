@@ -35,9 +35,8 @@ def _draw_introduction(layout, settings):
 
 def _draw_mixer(layout, settings):
     model, plan = settings.model(), settings.plan
-    words = f"Reference, {model.channels} bands" if model.name == "bands" else f"{model.channels} channels"
     layout.label(
-        text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({words})", icon="RENDER_STILL"
+        text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({model.label})", icon="RENDER_STILL"
     )
     if plan.get("reason"):
         mixer_panels.words(layout, plan["reason"])

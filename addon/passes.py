@@ -1,18 +1,17 @@
 """Coefficient passes: view layers copied from the artist's own, one for every three channels.
 
-A view layer carries the numbers of `core.view.ViewLayerNumbers` as custom properties; the shaders read them with
-Attribute nodes of type View Layer (`nodes.view_group`).
+A view layer carries the numbers of `core.recombination.ViewLayerNumbers` as custom properties; the shaders read them
+with Attribute nodes of type View Layer (`nodes.view_group`).
 """
 
 import bpy
 
-from ..core import view
+from ..core import recombination
 from ..core.sampling import Sampling
 
 __all__ = [
     "add",
     "drive",
-    "is_driven_or_animated",
     "light_pass",
     "pass_layers",
     "preview_layers",
@@ -41,7 +40,7 @@ def preview_layers(scene) -> list:
     return [layer for layer in scene.view_layers if _SOURCE in layer and _PASS not in layer]
 
 
-def write_view(layer, numbers: view.ViewLayerNumbers):
+def write_view(layer, numbers: recombination.ViewLayerNumbers):
     """Write what the shaders read into the custom properties of a view layer."""
     values = {"relume_on": 1.0}
     values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
@@ -63,14 +62,16 @@ def _copy_layer(scene, source, name: str):
     if window:
         shown = window.scene, window.view_layer
         window.scene, window.view_layer = scene, source
-    for layer in before:
-        layer.use = layer == source
-    with bpy.context.temp_override(scene=scene, view_layer=source):
-        bpy.ops.scene.view_layer_add(type="COPY")
-    if window:
-        window.scene, window.view_layer = shown
-    for layer, use in used.items():
-        layer.use = use
+    try:
+        for layer in before:
+            layer.use = layer == source
+        with bpy.context.temp_override(scene=scene, view_layer=source):
+            bpy.ops.scene.view_layer_add(type="COPY")
+    finally:
+        if window:
+            window.scene, window.view_layer = shown
+        for layer, use in used.items():
+            layer.use = use
     layer = next(layer for layer in scene.view_layers if layer not in before)
     layer.name = name
     return layer
@@ -109,7 +110,7 @@ def add(scene, model, groups: list[str], sampling: Sampling):
             for group in groups:
                 if group not in layer.lightgroups:
                     layer.lightgroups.add(name=group)
-            write_view(layer, view.coefficient_pass(model, k, len(groups), space))
+            write_view(layer, recombination.coefficient_pass(model, k, len(groups), space))
         source[_SOURCE] = source.name
         source.use = False
 
@@ -149,22 +150,3 @@ def drive(scene, name: str, otherwise: int):
 def samples_of(layer, scene) -> int:
     """Samples per pixel that Cycles takes in a coefficient pass."""
     return layer.get(_DRIVEN.format("sample_subset_length")) or layer.samples or scene.cycles.samples
-
-
-def is_driven_or_animated(scene, path: str) -> bool:
-    data = scene.animation_data
-    if data is None:
-        return False
-    if any(curve.data_path == path for curve in data.drivers):
-        return True
-    return data.action is not None and path in _animated_paths(data.action)
-
-
-def _animated_paths(action) -> set[str]:
-    return {
-        curve.data_path
-        for layer in action.layers
-        for strip in layer.strips
-        for bag in strip.channelbags
-        for curve in bag.fcurves
-    }

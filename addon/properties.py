@@ -1,6 +1,7 @@
 """What an artist chooses, kept in the scene: channels, the mixer of light groups, white balance."""
 
 import json
+from dataclasses import replace
 from functools import lru_cache
 
 import bpy
@@ -237,34 +238,44 @@ class SceneSettings(PropertyGroup):
         """The factor model that this scene was set up with."""
         return _model_from(self.id_data[MODEL])
 
-    def lights(self) -> list:
-        """A `core.view.Light` for each row of the mixer, with its gain after solo and mute."""
-        from ..core import mixing, view
+    @property
+    def lit(self) -> list:
+        """The rows of the mixer in which something shone at set-up: those that are rendered, in order."""
+        return [row for row in self.light_groups if row.is_lit]
 
-        rows = self.light_groups
+    @property
+    def shades(self) -> bool:
+        """Whether the shaders of the scene carry the set-up: that of an EXR that is relit has none."""
+        return self.is_set_up and not self.exr
+
+    def lights(self) -> list:
+        """A `core.mix.Light` for each row of `lit`, with its gain after solo and mute."""
+        from ..core import mixing
+        from ..core.mix import Light
+
+        rows = self.lit
         gains = mixing.gains([row.stops for row in rows], [row.solo for row in rows], [row.mute for row in rows])
-        return [view.Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
+        return [Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
 
     def seen_by(self):
-        """The observer, as `core.view` takes it. Raises SpectrumError for a file that was not read."""
+        """The observer, as `core.mix.Mix` takes it. Raises SpectrumError for a file that was not read."""
         return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
 
-    def white(self, model, lights):
-        """(3,) XYZ of what becomes white, None for the white of the mix. Raises ValueError."""
-        from ..core import view
+    def white(self, model, mix):
+        """(3,) XYZ of what becomes white in a `core.mix.Mix`, None for the white of the mix. Raises ValueError."""
+        from ..core import recombination
+        from ..core.mix import Light
 
-        names = [row.name for row in self.light_groups]
         if self.white_source == "GROUP":
-            if self.white_group not in names:
+            if self.white_group not in mix.lights:
                 raise ValueError(f"white balance: no light group {self.white_group!r}; choose one")
-            return view.mixed_white(
-                [view.Light(lights[names.index(self.white_group)].illuminant)], model, self.seen_by()
-            )
+            alone = {self.white_group: Light(mix.lights[self.white_group].illuminant)}
+            return recombination.mixed_white(model, replace(mix, lights=alone))
         if self.white_source == "PIXEL":
             picked = json.loads(self.white_pixel or "{}")
-            if set(picked) != set(names) or any(len(c) != model.channels for c in picked.values()):
+            if set(picked) != set(mix.lights) or any(len(c) != model.channels for c in picked.values()):
                 raise ValueError("white balance: no pixel of this render has been picked; pick one in the picture")
-            return view.color_of([picked[name] for name in names], model, lights, self.seen_by())
+            return recombination.color_of(model, mix, [picked[name] for name in mix.lights])
         return None
 
 

@@ -1,7 +1,7 @@
 """Rendering the coefficient passes of a scene into a coefficient image, and saving pictures."""
 
+import math
 import re
-import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,10 +10,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import coefficients, view
+from ..core import coefficients, recombination, results
 from ..core.coefficients import CoefficientImage
-from ..core.errors import RenderError
-from . import passes, setup
+from ..core.errors import CoefficientImageError, RenderError, ResultError, UsageError
+from ..core.mix import Light, Mix
+from . import console, passes, setup
+from .blend_file import first_line
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
 
@@ -38,25 +40,28 @@ def render(
     progress(pass, part of it done) is called as the render goes. guides: names of what the denoiser is to have of every
     pass, None where nothing is to be denoised. Only the first of the artist's view layers is read. Raises RenderError.
     """
+    if scene.render.use_multiview:
+        raise RenderError(f"scene {scene.name!r} renders several views (stereoscopy): switch that off, one is kept")
     layers = next(iter(passes.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
-    groups = [group.name for group in scene.relume.light_groups]
-    with tempfile.TemporaryDirectory(prefix=".relume-", dir=folder) as temporary:
-        path = Path(temporary) / "passes.exr"
+    groups = [row.name for row in scene.relume.lit]
+    shown = _view_of(scene)
+    with results.scratch(folder) as temporary:
+        path = temporary.absolute() / "passes.exr"
         with _Progress(progress), _storing_guides(layers if guides else ()):
             _render_to(scene, path)
         try:
             found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
             times = coefficients.read_render_times(path, names)
-        except coefficients.CoefficientImageError as error:
+        except CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
     settings = scene.relume
     chosen = setup.lighting(scene)
-    lights = dict(zip(groups, chosen["lights"], strict=True))
+    lights = dict(zip(groups, chosen.lights.values(), strict=True))
     return Rendered(
         CoefficientImage(
             model=settings.model(),
@@ -66,10 +71,10 @@ def render(
             space=bpy.data.colorspace.working_space,
             white_balance=settings.white_balance,
             white_balance_method=settings.white_balance_method,
-            view=_view_of(scene),
+            view=shown,
             gains={group: light.gain for group, light in lights.items()},
-            white=None if chosen["white"] is None else tuple(map(float, chosen["white"])),
-            observer=chosen["observer"],
+            white=chosen.white,
+            observer=chosen.observer,
         ),
         times,
         found,
@@ -92,7 +97,9 @@ def _storing_guides(layers):
 def _render_to(scene, path: Path):
     """Render all view layers into a multilayer EXR, without the compositor, and put the output settings back."""
     output = scene.render.image_settings
-    render_settings = {"filepath": str(path), "use_compositing": False, "use_sequencer": False}
+    # In braces Blender's output path names what it fills in
+    filepath = str(path).replace("{", "{{").replace("}", "}}")
+    render_settings = {"filepath": filepath, "use_compositing": False, "use_sequencer": False}
     render_settings |= {"use_file_extension": False, "use_single_layer": False}
     image_settings = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER"}
     image_settings |= {"color_depth": "32", "exr_codec": "NONE"}
@@ -104,9 +111,10 @@ def _render_to(scene, path: Path):
         for target, values in ((scene.render, render_settings), (output, image_settings)):
             for name, value in values.items():
                 setattr(target, name, value)
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        with console.reports():
+            bpy.ops.render.render(write_still=True, scene=scene.name)
     except RuntimeError as error:
-        raise RenderError(str(error).strip().removeprefix("Error: ")) from error
+        raise RenderError(first_line(error)) from error
     finally:
         for target, values in ((scene.render, before), (output, image_before)):
             for name, value in values.items():
@@ -140,6 +148,9 @@ class _Progress:
 
 def _view_of(scene) -> dict:
     chosen = scene.view_settings
+    for name in ("exposure", "gamma"):
+        if not math.isfinite(getattr(chosen, name)):
+            raise RenderError(f"scene {scene.name!r}: the {name} of its view is {getattr(chosen, name)}, not a number")
     return {
         "display_device": scene.display_settings.display_device,
         "view_transform": chosen.view_transform,
@@ -149,17 +160,17 @@ def _view_of(scene) -> dict:
     }
 
 
-def picture(image: CoefficientImage, lights: dict[str, view.Light], white_balance: float | None = None):
+def picture(image: CoefficientImage, lights: dict[str, Light], white_balance: float | None = None):
     """(height, width, 3) linear picture with a light for each group; the image's own white balance if none is given."""
-    matrices = view.recombination_matrices(
-        image.model,
-        [lights[group] for group in image.groups],
+    mix = Mix(
+        {group: lights[group] for group in image.groups},
         white_balance=image.white_balance if white_balance is None else white_balance,
         method=image.white_balance_method,
         space=image.space,
         white=image.white,
         observer=image.observer,
     )
+    matrices = recombination.recombination_matrices(image.model, mix)
     return coefficients.recombine(list(image.groups.values()), matrices)
 
 
@@ -169,34 +180,41 @@ FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"
 def save_picture(path: Path, rgb, image: CoefficientImage):
     """Save a linear picture as Blender would: PNG and TIFF through the scene's view transform, EXR linear.
 
-    The file appears whole or not at all. Raises OSError when it cannot be written, ValueError for another extension.
+    The file appears whole or not at all. Raises ResultError when it cannot be written, UsageError for another
+    extension, RenderError for a view that this Blender does not have.
     """
     if path.suffix.lower() not in FORMATS:
-        raise ValueError(f"{path}: a picture's name ends in {', '.join(FORMATS)}")
+        raise UsageError(f"{path}: a picture's name ends in {', '.join(FORMATS)}")
     file_format, depth = FORMATS[path.suffix.lower()]
     width, height = image.size
     scene = bpy.data.scenes.new("Relume picture")
     buffer = bpy.data.images.new("Relume picture", width, height, alpha=True, float_buffer=True)
-    partial = path.with_name(f".{path.stem}.partial{path.suffix}")
     try:
         buffer.colorspace_settings.name = image.space
         buffer.pixels.foreach_set(coefficients.bottom_up_rgba(rgb, image.alpha))
         settings = scene.render.image_settings
         settings.media_type, settings.file_format, settings.color_depth = "IMAGE", file_format, depth
         settings.color_mode = "RGBA" if (image.alpha < 1.0).any() else "RGB"
-        shown = dict(image.view)
+        _show_as(scene, path, image.view)
+        scene.render.dither_intensity = 0.0
+        with results.replacing(path) as partial:
+            try:
+                buffer.save_render(str(partial), scene=scene)
+                coefficients.read_rgb(partial)  # Blender says nothing when it cannot write the whole of a file
+            except (RuntimeError, FileNotFoundError, CoefficientImageError) as error:
+                reason = first_line(error).replace(str(partial), path.name)
+                raise ResultError(f"{path}: cannot be written; is the disk full? ({reason})") from error
+    finally:
+        bpy.data.images.remove(buffer)
+        bpy.data.scenes.remove(scene)
+
+
+def _show_as(scene, path: Path, shown):
+    shown = dict(shown)
+    try:
         if "display_device" in shown:
             scene.display_settings.display_device = shown.pop("display_device")
         for name, value in {"view_transform": "Standard", **shown}.items():
             setattr(scene.view_settings, name, value)
-        scene.render.dither_intensity = 0.0
-        buffer.save_render(str(partial), scene=scene)
-        coefficients.read_rgb(partial)  # Blender says nothing when it cannot write the whole of a file
-        partial.replace(path)
-    except (RuntimeError, FileNotFoundError, coefficients.CoefficientImageError) as error:
-        reason = str(error).strip().removeprefix("Error: ")
-        raise OSError(f"{path}: cannot be written; is the disk full? ({reason})") from error
-    finally:
-        partial.unlink(missing_ok=True)
-        bpy.data.images.remove(buffer)
-        bpy.data.scenes.remove(scene)
+    except TypeError as error:
+        raise RenderError(f"{path}: this Blender cannot show it as it was rendered ({first_line(error)})") from error

@@ -3,7 +3,7 @@
 import bpy
 
 from ..core import sampling
-from . import passes
+from . import animation, passes
 
 __all__ = ["SUBSET", "change_engines", "drive", "give_back", "is_previewing", "keep", "stop_noise"]
 
@@ -64,7 +64,7 @@ def give_back(scene):
     before = scene[_BEFORE].to_dict()
     for name in before["driven"].split():
         scene.driver_remove(f"cycles.{name}")
-    if before["driven"] and not before["had_animation"]:
+    if before["driven"] and not before["had_animation"] and not animation.has_any(scene):
         scene.animation_data_clear()
     for struct, owner, name, _ in reversed(_changed(scene)):
         value = before.get(f"{owner}.{name}")

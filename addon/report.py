@@ -8,7 +8,6 @@ Each model's figures are kept in the report's folder: a stopped report goes on w
 import hashlib
 import json
 import os
-import sys
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -16,8 +15,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..core import bases, coefficients, figures, measure, plan, view
-from . import content, jobs, render, setup
+from ..core import bases, coefficients, figures, measure, plan, recombination, results, spaces
+from ..core.errors import CoefficientImageError, UsageError
+from ..core.mix import Light, Mix
+from . import console, content, jobs, render, setup
+from .blend_file import open_scene
 
 __all__ = ["run"]
 
@@ -53,19 +55,32 @@ class Row:
     megabytes: float
 
 
-def run(arguments):
+def run(told):
     """Render the scene of the file that is open with every model asked for; write the report and print its paths."""
     blend = Path(bpy.data.filepath)
     if not blend.name:
-        raise ValueError("save the scene first: a report opens its file once for each model")
-    folder = jobs.writable(arguments.out)
-    key = _key(blend, arguments)
-    scene = _open(blend, arguments)
+        raise UsageError("save the scene first: a report opens its file once for each model")
+
+    def wait():
+        console.say(f"{told.out}: another process makes a report there; waiting for it to end")
+
+    with (
+        results.folder(told.out) as folder,
+        results.claim(folder / "report.json", wait),
+        results.folder(folder / "renders") as renders,
+    ):
+        _report(blend, folder, renders, told)
+
+
+def _report(blend: Path, folder: Path, renders: Path, told):
+    key = _key(blend, told)
+    scene = _open(blend, told)
     chosen = plan.choose(content.content_of(scene), scene.relume.tolerance)
-    models = _models(scene, arguments, chosen.model)
+    models = _models(scene, told, chosen.model)
     models[_REFERENCE] = bases.bands()
-    takes = _Takes(blend, arguments, folder / "renders", key)
-    print(f"relume: {takes.waiting(models)} passes to render", file=sys.stderr, flush=True)
+    takes = _Takes(blend, told, renders, key)
+    passes = takes.waiting(models)
+    console.event("passes", number=passes) or console.say(f"{passes} passes to render")
     reference = takes.comparable(_REFERENCE, models[_REFERENCE])
     rows, pictures = [], {}
     for name, model in models.items():
@@ -74,40 +89,39 @@ def run(arguments):
     _write(folder, blend, rows, chosen, pictures, takes.lights())
 
 
-def _key(blend: Path, arguments) -> str:
+def _key(blend: Path, told) -> str:
     """Changes with the file and with all that a render depends on."""
-    settings = [blend.read_bytes(), str((arguments.samples, arguments.percent, arguments.frame)).encode()]
+    settings = [blend.read_bytes(), str((told.samples, told.percent, told.frame)).encode()]
     return hashlib.sha256(b"".join(settings)).hexdigest()
 
 
-def _open(blend: Path, arguments):
-    bpy.ops.wm.open_mainfile(filepath=str(blend), load_ui=False)
-    scene = bpy.context.scene
+def _open(blend: Path, told):
+    scene = open_scene(blend, remarks=False)  # they were made when it was opened first
     if scene.relume.is_set_up:
         setup.remove(scene)
-    if arguments.samples:
-        scene.cycles.samples = arguments.samples
-    if arguments.percent:
-        scene.render.resolution_percentage = arguments.percent
-    if arguments.frame is not None:
-        scene.frame_set(arguments.frame)
+    if told.samples:
+        scene.cycles.samples = told.samples
+    if told.percent:
+        scene.render.resolution_percentage = told.percent
+    if told.frame is not None:
+        scene.frame_set(told.frame)
     return scene
 
 
-def _models(scene, arguments, chosen) -> dict:
+def _models(scene, told, chosen) -> dict:
     """{name: model} in the order of their passes; the planner's choice is among them."""
-    told = content.content_of(scene)
+    lights = content.content_of(scene).lights
     made = {}
-    if "rgb" in arguments.models:
+    if "rgb" in told.models:
         made["RGB"] = bases.rgb()
-    if "prefiltered" in arguments.models:
-        made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in told.lights}
-    for channels in arguments.channels:
-        if "fitted" in arguments.models:
+    if "prefiltered" in told.models:
+        made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
+    for channels in told.channels:
+        if "fitted" in told.models:
             made[f"{channels} channels"] = bases.fitted(channels)
-        if "block" in arguments.models:
+        if "block" in told.models:
             made[f"block, {channels}"] = bases.block(channels)
-        if "sharpened" in arguments.models:
+        if "sharpened" in told.models:
             made[f"sharpened, {channels}"] = bases.sharpened(channels)
     made["automatic"] = chosen
     return dict(sorted(made.items(), key=lambda item: item[1].passes))
@@ -116,51 +130,71 @@ def _models(scene, arguments, chosen) -> dict:
 class _Takes:
     """Renders of one scene, kept in a folder under the key of what they depend on."""
 
-    def __init__(self, blend: Path, arguments, folder: Path, key: str):
-        folder.mkdir(exist_ok=True)
-        self.blend, self.arguments, self.folder, self.key = blend, arguments, folder, key
+    def __init__(self, blend: Path, told, folder: Path, key: str):
+        self.blend, self.told, self.folder, self.key = blend, told, folder, key
 
-    def lights(self) -> dict[str, view.Light]:
+    def lights(self) -> dict[str, Light]:
         """What shines in each light group of the scene that was rendered last."""
-        return {row.name: row.light() for row in bpy.context.scene.relume.light_groups}
+        return {row.name: row.light() for row in bpy.context.scene.relume.lit}
 
     def waiting(self, models: dict) -> int:
         """Passes that are still to be rendered for {name: model}."""
         renders = {
-            name: (not self._path(name, model, "exr").exists()) + 2 * (not self._path(name, model, "json").exists())
+            name: (self._kept_image(name, model) is None) + 2 * (self._kept_row(name, model) is None)
             for name, model in models.items()
         }
         return sum(count * models[name].passes for name, count in renders.items())
 
     def comparable(self, name: str, model) -> coefficients.CoefficientImage:
         """The scene without differences of noise: one seed, no path ended by a channel's own brightness."""
-        path = self._path(name, model, "exr")
-        if not path.exists():
-            scene = _open(self.blend, self.arguments)
+        kept = self._kept_image(name, model)
+        if kept is None:
+            scene = _open(self.blend, self.told)
             scene.relume.same_seed, scene.relume.split_samples = True, False
             scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
             image, _ = self._render(scene, name, model)
-            coefficients.write(path, image, render.picture(image, self.lights()))
-        elif not bpy.context.scene.relume.is_set_up:
-            setup.set_up(_open(self.blend, self.arguments), model)
-        return coefficients.read(path)
+            coefficients.write(self._path(name, model, "exr"), image, render.picture(image, self.lights()))
+            return self._kept_image(name, model)
+        if not bpy.context.scene.relume.is_set_up:
+            setup.set_up(_open(self.blend, self.told), model)
+        return kept
+
+    def _kept_image(self, name: str, model) -> coefficients.CoefficientImage | None:
+        """What was rendered already; a file that is damaged is taken away, to be made again."""
+        path = self._path(name, model, "exr")
+        try:
+            return coefficients.read(path) if path.exists() else None
+        except CoefficientImageError as error:
+            return _discard(path, error)
+
+    def _kept_row(self, name: str, model) -> Row | None:
+        path = self._path(name, model, "json")
+        try:
+            row = Row(**json.loads(path.read_text(encoding="utf-8")))
+            _table([row])
+            _markdown(self.blend, [row], "", [])
+            return row
+        except FileNotFoundError:
+            return None
+        except (ValueError, TypeError, KeyError) as error:
+            return _discard(path, error)
 
     def row(self, name: str, model, reference) -> Row:
         """The figures of a model, from the folder where they are there."""
-        path = self._path(name, model, "json")
-        if path.exists():
-            return Row(**json.loads(path.read_text(encoding="utf-8")))
+        kept = self._kept_row(name, model)
+        if kept is not None:
+            return kept
         image = self.comparable(name, model)
         lights, choices = self.lights(), content.content_of(bpy.context.scene).choices
         worst, worst_light = 0.0, "as it is lit"
         for light in choices:
-            all_alike = {group: view.Light(light) for group in lights}
+            all_alike = {group: Light(light) for group in lights}
             found = measure.statistics(_difference(image, reference, all_alike))["p98"]
             if found > worst:
                 worst, worst_light = found, light.name
         taken = [self._as_an_artist(name, model, seed) for seed in (1, 2)]
         first, second = (coefficients.to_xyz(image, lights) for image, _ in taken)
-        white = view.mixed_white(list(lights.values()), reference.model)
+        white = recombination.mixed_white(reference.model, Mix(lights))
         truth = coefficients.to_xyz(reference, lights)
         row = Row(
             name=name,
@@ -175,13 +209,11 @@ class _Takes:
             noise=measure.statistics(measure.picture_delta_E(first, second, white))["median"],
             megabytes=max(times["megabytes"] for _, times in taken),
         )
-        partial = path.with_suffix(".partial")
-        partial.write_text(json.dumps(asdict(row)), encoding="utf-8")
-        partial.replace(path)
+        results.write_text(self._path(name, model, "json"), json.dumps(asdict(row)))
         return row
 
     def _as_an_artist(self, name: str, model, seed: int):
-        scene = _open(self.blend, self.arguments)
+        scene = _open(self.blend, self.told)
         scene.relume.same_seed, scene.relume.split_samples = False, True
         scene.cycles.seed = 1000 * seed
         return self._render(scene, name, model)
@@ -189,7 +221,7 @@ class _Takes:
     def _render(self, scene, name: str, model):
         """(coefficient image, {"seconds", "sync_seconds", "megabytes"}) of a scene set up for `model`."""
         setup.set_up(scene, model)
-        progress = jobs.Progress(model.passes, f"{name:<24}")
+        progress = console.Progress(model.passes, name)
         began = time.perf_counter()
         try:
             rendered = render.render(scene, self.folder, progress)
@@ -204,6 +236,11 @@ class _Takes:
         return self.folder / f"{jobs.file_name(name)}-{hashlib.sha256(described.encode()).hexdigest()[:12]}.{ending}"
 
 
+def _discard(path: Path, error: Exception) -> None:
+    console.say(f"{path}: damaged, and made again ({error})")
+    path.unlink()
+
+
 def _megabytes() -> float:
     """Memory of this process now, where the system tells."""
     try:
@@ -214,34 +251,39 @@ def _megabytes() -> float:
 
 
 def _difference(image, reference, lights) -> np.ndarray:
-    white = view.mixed_white(list(lights.values()), reference.model)
+    white = recombination.mixed_white(reference.model, Mix(lights))
     return measure.picture_delta_E(coefficients.to_xyz(image, lights), coefficients.to_xyz(reference, lights), white)
 
 
 def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictures: dict, lights: dict):
     """report.json, report.md and the pictures."""
     record = {"scene": str(blend), "reason": chosen.reason, "rows": [asdict(row) for row in rows]}
-    (folder / "report.json").write_text(json.dumps(record, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
     shown = {name: pictures[name] for name in ("RGB", "automatic", _REFERENCE) if name in pictures}
     draw = _draw if figures.available() else _save_pictures
-    drawn = draw(folder, rows, shown, lights)
-    (folder / "report.md").write_text(_markdown(blend, rows, chosen, drawn), encoding="utf-8")
-    print(_table(rows))
-    print(f"\nautomatic: {chosen.reason}")
+    with results.together():
+        drawn = draw(folder, rows, shown, lights)
+        results.write_text(folder / "report.json", json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+        results.write_text(folder / "report.md", _markdown(blend, rows, chosen.reason, drawn))
+    if not console.event("rows", rows=record["rows"]):
+        print(_table(rows))
+        print(f"\nautomatic: {chosen.reason}")
     for name in ("report.md", "report.json", *drawn):
-        print(folder / name)
+        console.wrote(folder / name)
 
 
 def _draw(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]:
     """The plot of error over time, the pictures side by side, their colour differences -> the files' names."""
     drawn = ["error_over_time.png", "side_by_side.png", "delta_e.png"]
     points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
-    figures.error_over_time(folder / drawn[0], points, "automatic")
-    row = [(name, view.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
-    figures.picture_row(folder / drawn[1], row)
+    row = [(name, spaces.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
     reference = shown[_REFERENCE]
     maps = [(name, _difference(image, reference, lights)) for name, image in shown.items() if image is not reference]
-    figures.delta_e_maps(folder / drawn[2], maps)
+    with results.replacing(folder / drawn[0]) as partial:
+        figures.error_over_time(partial, points, "automatic")
+    with results.replacing(folder / drawn[1]) as partial:
+        figures.picture_row(partial, row)
+    with results.replacing(folder / drawn[2]) as partial:
+        figures.delta_e_maps(partial, maps)
     return drawn
 
 
@@ -264,10 +306,10 @@ def _table(rows: list[Row]) -> str:
     return "\n".join(["", *lines])
 
 
-def _markdown(blend: Path, rows: list[Row], chosen: plan.Plan, drawn: list[str]) -> str:
+def _markdown(blend: Path, rows: list[Row], reason: str, drawn: list[str]) -> str:
     head = "| | channels | passes | seconds | of it sync | MB | model: median / 98 % / max | worst lamp: 98 % "
     head += "| noise | with noise: median / 98 % |"
-    lines = [f"# {blend.name}: error against run time", "", f"Automatic: {chosen.reason}.", ""]
+    lines = [f"# {blend.name}: error against run time", "", f"Automatic: {reason}.", ""]
     lines += [head, "|" + "---|" * 10]
     for row in rows:
         model, total = row.model, row.total

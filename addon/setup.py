@@ -1,18 +1,22 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
+from dataclasses import replace
 
 import bpy
 
-from ..core import drawing, grouping, plan, sampling, view
+from ..core import channel_order, drawing, plan, recombination, sampling
 from ..core.errors import SetupError
 from ..core.factor_model import FactorModel
 from ..core.library import LibraryError
+from ..core.mix import Mix
 from . import (
+    animation,
     compositing,
     content,
-    denoise,
+    faults,
     glass,
+    interruption,
     inventory,
     lights,
     mixer,
@@ -21,6 +25,8 @@ from . import (
     properties,
     remarks,
     render_settings,
+    rows,
+    schema,
     sockets,
     spectra,
 )
@@ -40,83 +46,89 @@ __all__ = [
 ]
 
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
-_LONG_NAME = "the name of this light group is too long for a render pass: its lamps belong to everything else"
-_NO_DENOISER = "this Blender has no denoiser: the picture keeps its noise"
 
 
 def set_up(scene, model: FactorModel | None = None):
     """Make a scene spectral: colours, lamps, passes, preview and compositing, for `model` or the scene's channels.
 
-    A scene that is set up already is set up afresh. On any failure the scene is given back as it was.
+    A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
+    Raises SetupError.
     """
-    if scene.library is not None:
-        raise SetupError(f"scene {scene.name!r} is linked from {scene.library.filepath}: set it up in its own file")
-    if scene.camera is None:
-        raise SetupError(f"scene {scene.name!r} has no camera")
-    if not lights.has_emitters(scene):
-        raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
-    if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
-        raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
+    faults.check(scene)
+    schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
         found = plan.choose(content.content_of(scene), scene.relume.tolerance)
         model, chosen["reason"] = found.model, found.reason
-    model = grouping.balanced(model or properties.model_for(scene.relume.channels))
+    model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
-    others = [s for s in bpy.data.scenes if s != scene and s.get(properties.MODEL, described) != described]
-    for done in [s for s in [scene, *others] if s.relume.is_set_up]:
-        remove(done)
-    for each in [scene, *others]:
+    others = [s for s in bpy.data.scenes if s != scene and s.relume.shades and s[properties.MODEL] != described]
+    for other in others:
+        schema.check(other)
+    scenes = [scene, *others]
+    before = {s: (s[properties.MODEL], _plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
+    at = scene
+    with interruption.held_back() as let_through, mixer.quiet():
         try:
-            with mixer.quiet():
-                _set_up(each, model)
-            each[properties.PLAN] = chosen
-        except Exception as error:
-            remove(each)
-            if isinstance(error, SetupError):
+            for each in scenes:
+                rows.mark(each.relume)
+            for each in before:
+                _take_out(each)
+            for each in scenes:
+                at = each
+                _put_in(each, model, before[each][2] if each in before else {}, let_through)
+                each[properties.PLAN] = chosen
+            for each in scenes:
+                rows.settle(each.relume)
+        except BaseException as error:
+            lost = _give_back(scenes, before)
+            if isinstance(error, SetupError) or not isinstance(error, Exception):
                 raise
-            raise SetupError(f"scene {each.name!r} is as it was, for setting it up failed: {error}") from error
+            now = f"is no longer set up, for setting {lost} up again" if lost else "is as it was, for setting it up"
+            raise SetupError(f"scene {at.name!r} {now} failed: {error}") from error
 
 
-def _set_up(scene, model: FactorModel):
-    groups = _sync_light_groups(scene)
+def _plan_of(scene) -> dict:
+    return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
+
+
+def _give_back(scenes, before: dict) -> str:
+    """Make scenes what they were before `set_up` began; returns the names of those where that failed."""
+    lost = []
+    for each in scenes:
+        if each in before:
+            _take_out(each)
+        else:
+            _remove(each)
+        rows.put_back(each.relume)
+    for each, (described, planned, members) in before.items():
+        try:
+            _put_in(each, FactorModel.from_dict(json.loads(described)), members)
+            each[properties.PLAN] = planned
+        except Exception:
+            _remove(each)
+            lost.append(repr(each.name))
+    return ", ".join(lost)
+
+
+def _put_in(scene, model: FactorModel, members: dict, let_through=lambda: None):
+    """members: what shone in each light group at the set-up before. let_through: called where Ctrl-C may come."""
+    groups = rows.sync(scene, members)
     render_settings.keep(scene)
     scene[properties.MODEL] = json.dumps(model.to_dict())
+    schema.note(scene)
+    let_through()
     spectra.update_all(model)
     glass.update_all(model)
+    let_through()
     _convert_colors(scene, groups, model)
+    let_through()
     passes.add(scene, model, groups, _share_samples(scene, model))
+    let_through()
     compositing.add(scene, groups)
     relight(scene)
-
-
-def _sync_light_groups(scene) -> list[str]:
-    """Rows of the mixer for the light groups that shine; what the artist chose for them stays."""
-    settings, names = scene.relume, lights.light_groups_of(scene)
-    for name in names:
-        if name not in settings.light_groups:
-            settings.light_groups.add()["name"] = name
-    for index in reversed(range(len(settings.light_groups))):
-        if settings.light_groups[index].name not in names:
-            settings.light_groups.remove(index)
-    for position, name in enumerate(names):
-        settings.light_groups.move(settings.light_groups.find(name), position)
-    return names
-
-
-def _forget_untouched_rows(settings):
-    """Drop the rows of the mixer in which the artist chose nothing; what was chosen is there when set up again."""
-    rows = settings.light_groups
-    for index in reversed(range(len(rows))):
-        rows[index].property_unset("swatch")
-        rows[index].property_unset("is_open")
-        if CURVE in rows[index]:
-            del rows[index][CURVE]
-        if not mixer.is_touched(rows[index]):
-            rows.remove(index)
-    if not rows:
-        settings.property_unset("light_groups")
+    let_through()
 
 
 def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
@@ -132,7 +144,7 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
     artist's own drivers decide."""
     settings, cycles = scene.relume, scene.cycles
-    free = {name for name in ("seed", *SUBSET) if not passes.is_driven_or_animated(scene, f"cycles.{name}")}
+    free = {name for name in ("seed", *SUBSET) if not animation.is_animated(scene, f"cycles.{name}")}
     if settings.split_samples and not settings.same_seed and free.issuperset(SUBSET):
         first, count = 0, cycles.samples
         if cycles.use_sample_subset:
@@ -148,21 +160,17 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
 def _convert_colors(scene, groups: list[str], model: FactorModel):
     """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
     found = inventory.take(scene)
+    about_scene = faults.remarks_on(scene, found)
     lamps, about_lamps = lights.take_colors(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
     about_colors = sockets.convert(shadings, model.channels, shining.convert)
-    long_names = {name for name in (thing.lightgroup for thing in found.objects) if lights.is_too_long(name)}
-    about_groups = [remarks.Remark(name, "", _LONG_NAME) for name in sorted(long_names)]
-    noisy = scene.cycles.use_denoising and not denoise.available()
-    about_noise = [remarks.Remark("Render Properties", "Denoise", _NO_DENOISER)] if noisy else []
-    remarks.write(scene, [*about_noise, *about_trees, *about_lamps, *about_groups, *about_colors])
-    given = {}
-    for row in scene.relume.light_groups:
-        first = lights.first_illuminant(shining.temperatures, row.name)
-        if not row.is_property_set("illuminant") and first != row.illuminant:
-            row["illuminant"] = given[row.name] = first
-    scene[_GIVEN] = given
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colors])
+    first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
+    fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
+    scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
+    for row in fresh:
+        row["illuminant"] = first[row.name]
 
 
 def _take_back_illuminants(scene):
@@ -175,30 +183,29 @@ def _take_back_illuminants(scene):
         del scene[_GIVEN]
 
 
-def lighting(scene, settings=None) -> dict:
-    """The keyword arguments that the functions of `core.view` take from a scene.
+def lighting(scene, settings=None) -> Mix:
+    """The mix that a scene shows. Raises ValueError, LibraryError where it cannot be shown.
 
     settings: those of the scene as evaluated at a frame, if not the scene's own.
     """
     settings = settings or scene.relume
-    lights = settings.lights()
-    return {
-        "lights": lights,
-        "white_balance": settings.white_balance,
-        "method": settings.white_balance_method,
-        "space": bpy.data.colorspace.working_space,
-        "white": settings.white(scene.relume.model(), lights) if settings.white_balance > 0.0 else None,
-        "observer": settings.seen_by(),
-    }
+    mix = Mix(
+        dict(zip([row.name for row in settings.lit], settings.lights(), strict=True)),
+        white_balance=settings.white_balance,
+        method=settings.white_balance_method,
+        space=bpy.data.colorspace.working_space,
+        observer=settings.seen_by(),
+    )
+    return replace(mix, white=settings.white(scene.relume.model(), mix)) if mix.white_balance > 0.0 else mix
 
 
 def _write_lighting(scene, settings=None):
     """Write the chosen illuminants into the compositor and the preview: numbers only, and only those that changed."""
     model, chosen = scene.relume.model(), lighting(scene, settings)
-    compositing.write_matrices(scene, view.recombination_matrices(model, **chosen))
+    compositing.write_matrices(scene, recombination.recombination_matrices(model, chosen))
     layers = passes.preview_layers(scene)
     if layers:
-        shown = view.preview(model, **chosen)
+        shown = recombination.preview(model, chosen)
         for layer in layers:
             passes.write_view(layer, shown)
     return chosen
@@ -206,7 +213,7 @@ def _write_lighting(scene, settings=None):
 
 def _draw_swatches(scene, lights):
     """Keep with each row what its icon shows, so that the panel has to compute nothing."""
-    for row, light in zip(scene.relume.light_groups, lights, strict=True):
+    for row, light in zip(scene.relume.lit, lights, strict=True):
         curve = drawing.curve(light.illuminant).tolist()
         if list(row.get(CURVE, ())) != curve:
             row[CURVE] = curve
@@ -227,7 +234,7 @@ def relight(scene):
         settings["problem"] = str(error)
     else:
         settings["problem"] = ""
-        _draw_swatches(scene, chosen["lights"])
+        _draw_swatches(scene, chosen.lights.values())
     scene.update_tag()
 
 
@@ -241,7 +248,7 @@ def matrices_of(scene, chosen: dict):
     with mixer.quiet():
         try:
             mixer.apply(settings, chosen)
-            return view.recombination_matrices(settings.model(), **lighting(scene))
+            return recombination.recombination_matrices(settings.model(), lighting(scene))
         except LibraryError as error:
             raise ValueError(str(error)) from error
         finally:
@@ -258,25 +265,40 @@ def follow(scene, settings):
 
 def set_up_afresh(scene):
     """Set a scene up again after its light groups changed: with the model that it has."""
-    chosen = scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
+    chosen = _plan_of(scene)
     set_up(scene, scene.relume.model())
     scene[properties.PLAN] = chosen
 
 
 def remove(scene):
-    """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up."""
+    """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up.
+
+    What stops it, Ctrl-C too, comes through when it is done all the same. Raises SetupError.
+    """
+    schema.check(scene)
+    with interruption.held_back(), mixer.quiet():
+        try:
+            _remove(scene)
+        except BaseException:
+            _remove(scene)  # every step of it does what is left to do
+            raise
+
+
+def _remove(scene):
+    _take_out(scene)
+    rows.forget_untouched(scene)
+
+
+def _take_out(scene):
+    """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
     compositing.remove(scene)
     passes.remove(scene)
     render_settings.give_back(scene)
     _take_back_illuminants(scene)
-    _forget_untouched_rows(scene.relume)
     for name in ("problem", "comparing"):
         scene.relume.property_unset(name)
     remarks.clear(scene)
-    for key in (properties.MODEL, properties.PLAN):
-        if key in scene:
-            del scene[key]
-    others = [other for other in bpy.data.scenes if other.relume.is_set_up]
+    others = [other for other in bpy.data.scenes if other != scene and other.relume.shades]
     kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
     kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
     for light in lights.local_lights():
@@ -285,7 +307,14 @@ def remove(scene):
     for tree, owner in sockets.all_trees():
         if tree not in kept_trees:
             sockets.restore(tree, owner)
-    if not others:
+    if others:
+        spectra.mend_all(others[0].relume.model())
+        glass.mend_all(others[0].relume.model())
+    else:
         spectra.restore_all()
         glass.restore_all()
     nodes.clear_orphans()
+    schema.clear(scene)
+    for key in (properties.PLAN, properties.MODEL):
+        if key in scene:
+            del scene[key]

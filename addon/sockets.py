@@ -30,7 +30,7 @@ __all__ = [
     "untouchable",
 ]
 
-# Nodes that make another colour of a spectrum
+# Nodes that turn a spectrum into another colour
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
 _ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
@@ -39,7 +39,7 @@ _OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colou
 
 
 def untouchable(owner) -> Remark:
-    """What is told of linked data and library overrides."""
+    """What the artist reads about linked data and library overrides."""
     why = _OVERRIDE if owner.library is None else _LINKED.format(owner.library.filepath)
     return Remark(owner.name, "", why)
 

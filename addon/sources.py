@@ -1,4 +1,4 @@
-"""Where the colours of a material, lamp or world come from, as the planner wants to know it."""
+"""Where the colours of a material, lamp or world come from, as the planner needs it."""
 
 from ..core import fresnel
 from ..core.spectrum import SpectrumError
@@ -16,8 +16,8 @@ def sources_of(owner, kelvin: float | None = None) -> list:
     """The sources of all colours that a material, lamp or world shows, groups included.
 
     Each is a Spectrum, an RGB colour as a tuple, or None for colours that are not known, as those of a texture. Greys
-    are left out if there is anything else, but for one. kelvin: the black body that its light group is; light of that
-    temperature has no colour of its own.
+    are left out, but for one where there is nothing else. kelvin: of the light group, where it is a black body; light
+    of that temperature has no colour of its own.
     """
     trees = _trees_in(owner.node_tree)
     wiring = Wiring(trees)

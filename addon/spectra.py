@@ -4,10 +4,12 @@ A spectrum group keeps its samples in the custom property `SPECTRA`, {output soc
 for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
 """
 
+from contextlib import contextmanager
+
 import bpy
 import numpy as np
 
-from ..core import fresnel, view
+from ..core import fresnel, spaces
 from ..core.factor_model import FactorModel
 from ..core.spectrum import Spectrum
 from . import nodes, sockets
@@ -17,6 +19,7 @@ __all__ = [
     "assign",
     "existing",
     "inserted_before",
+    "mend_all",
     "new_conductor",
     "new_reflectance",
     "restore_all",
@@ -27,6 +30,7 @@ __all__ = [
 ]
 
 SPECTRA = "relume_spectra"
+_PLAIN = "relume_plain"  # on a spectrum group while it gets other nodes: its plain values
 
 
 def new_reflectance(spectrum: Spectrum, name: str = ""):
@@ -62,7 +66,7 @@ def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
     _fill_plain(tree, _plain(tree))
     # Channels of the model being rendered, where there is one
     for scene in bpy.data.scenes:
-        if scene.relume.is_set_up:
+        if scene.relume.shades:
             _fill(tree, scene.relume.model())
             break
     return tree
@@ -137,7 +141,7 @@ def source_of(socket):
 
 def _channels() -> int:
     """Channels of the model that this file renders, 0 if no scene is set up."""
-    return next((scene.relume.model().channels for scene in bpy.data.scenes if scene.relume.is_set_up), 0)
+    return next((scene.relume.model().channels for scene in bpy.data.scenes if scene.relume.shades), 0)
 
 
 def _plain(tree) -> dict[str, tuple]:
@@ -145,8 +149,8 @@ def _plain(tree) -> dict[str, tuple]:
     space = bpy.data.colorspace.working_space
     spectra = spectra_of(tree)
     if "Color" in spectra:
-        return {"Color": tuple(view.daylight_rgb(spectra["Color"], space))}
-    return {socket: tuple(view.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
+        return {"Color": tuple(spaces.daylight_rgb(spectra["Color"], space))}
+    return {socket: tuple(spaces.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
 
 
 def _fill(tree, model: FactorModel):
@@ -159,9 +163,22 @@ def _fill(tree, model: FactorModel):
     _fill_with(tree, _plain_in(tree), coefficients)
 
 
+@contextmanager
+def _refilling(tree, plain: dict[str, tuple]):
+    """While a spectrum group gets other nodes: where that ends part-way, its plain values are not lost."""
+    tree[_PLAIN] = plain
+    tree.nodes.clear()
+    yield
+    del tree[_PLAIN]
+
+
 def _fill_plain(tree, plain: dict[str, tuple]):
     """Give a spectrum group only the values that it shows in a scene without Relume: output -> three numbers."""
-    tree.nodes.clear()
+    with _refilling(tree, plain):
+        _add_plain(tree, plain)
+
+
+def _add_plain(tree, plain: dict[str, tuple]):
     output = nodes.add(tree, "NodeGroupOutput", 1)
     for row, (name, value) in enumerate(plain.items()):
         if output.inputs[name].type == "RGBA":
@@ -176,6 +193,8 @@ def _fill_plain(tree, plain: dict[str, tuple]):
 
 def _plain_in(tree) -> dict[str, tuple]:
     """The plain values of a spectrum group, whichever way it is filled."""
+    if _PLAIN in tree:
+        return {name: tuple(values) for name, values in tree[_PLAIN].to_dict().items()}
     output = next(node for node in tree.nodes if node.type == "GROUP_OUTPUT")
     found = {}
     for socket in output.inputs:
@@ -193,7 +212,11 @@ def _plain_in(tree) -> dict[str, tuple]:
 
 def _fill_with(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
     """Give a spectrum group p coefficients for each output, and the plain values for a scene without Relume."""
-    tree.nodes.clear()
+    with _refilling(tree, plain):
+        _add_spectral(tree, plain, coefficients)
+
+
+def _add_spectral(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
     channels = len(next(iter(coefficients.values())))
     output = nodes.add(tree, "NodeGroupOutput", channels + 3)
     view_node = nodes.add_view(tree, channels)
@@ -216,6 +239,13 @@ def update_all(model: FactorModel):
     """Give every spectrum of this file the coefficients of `model`."""
     for tree in _local():
         _fill(tree, model)
+
+
+def mend_all(model: FactorModel):
+    """Fill what an update that ended part-way left unfinished."""
+    for tree in _local():
+        if _PLAIN in tree:
+            _fill(tree, model)
 
 
 def restore_all():

@@ -8,7 +8,8 @@ import bpy
 
 from ..addon import denoise, glass, render, setup
 from ..addon.jobs import Progress
-from ..core import bases, figures, library, view
+from ..core import bases, figures, library, spaces
+from ..core.mix import Light
 from . import make_room, prism
 
 __all__ = ["main"]
@@ -35,8 +36,8 @@ def _room(path: Path):
     image = _rendered(scene)
     pictures = []
     for title, names in _LIGHTS.items():
-        lights = {group: view.Light(library.illuminant(n)) for group, n in zip(image.groups, names, strict=True)}
-        pictures.append((title, view.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
+        lights = {group: Light(library.illuminant(n)) for group, n in zip(image.groups, names, strict=True)}
+        pictures.append((title, spaces.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
     figures.picture_row(path, pictures)
 
 
@@ -49,8 +50,8 @@ def _prism(path: Path):
         glass.replace(node, library.glass("SF10"))
         setup.set_up(scene, model)
         image = _rendered(scene)
-        lights = {group: view.Light(library.illuminant("D65")) for group in image.groups}
-        pictures.append((title, view.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
+        lights = {group: Light(library.illuminant("D65")) for group in image.groups}
+        pictures.append((title, spaces.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
     figures.picture_row(path, pictures)
 
 

@@ -14,7 +14,8 @@ import bpy
 import numpy as np
 
 from ..addon import denoise, render, setup
-from ..core import bases, measure, upsample, view
+from ..core import bases, measure, recombination, upsample
+from ..core.mix import Mix
 from . import overhead
 
 _LEAST = 1e-6  # what light is divided by
@@ -23,7 +24,7 @@ _LEAST = 1e-6  # what light is divided by
 def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     """{words: (height, width, 3) picture}."""
     image, guides = rendered.image, rendered.guides
-    shown = view.recombination_matrices(image.model, [lights[group] for group in image.groups])
+    shown = recombination.recombination_matrices(image.model, Mix({group: lights[group] for group in image.groups}))
     matrices = [np.array_split(matrix, image.model.passes, axis=1) for matrix in shown]  # of group g and pass k: (3, 3)
     coefficients = [np.array_split(values, image.model.passes, axis=-1) for values in image.groups.values()]
     parts = [sum(c[k] @ m[k].T for c, m in zip(coefficients, matrices, strict=True)) for k in range(len(guides))]
@@ -113,7 +114,7 @@ def _measure(path: Path, arguments) -> dict[str, float]:
     truth, _ = _plain(path, arguments, 0)
     long_run, lights = _spectral(path, arguments, 0)
     spectral_truth = render.picture(long_run.image, lights)
-    white = view.mixed_white(list(lights.values()), bases.bands())
+    white = recombination.mixed_white(bases.bands(), Mix(lights))
     plain, found = [], {}
     for seed in range(1, arguments.runs + 1):
         picture, guides = _plain(path, arguments, seed)

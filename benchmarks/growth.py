@@ -212,10 +212,11 @@ def main(argv: list[str] | None = None):
         print("\n".join(table), flush=True)
         lines += table
         columns = zip(_COLUMNS, zip(*points, strict=True), strict=True)
-        panels.append((axis, [(name, counts, column) for name, column in columns]))
+        drawn = [(name, counts, column) for name, column in columns]
+        panels.append(figures.Panel(axis, drawn, "seconds; megabytes", log="xy"))
     arguments.out.mkdir(parents=True, exist_ok=True)
     (arguments.out / "growth.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    figures.curves(arguments.out / "growth.png", panels, "seconds; megabytes")
+    figures.curves(arguments.out / "growth.png", panels)
     print(f"\n{arguments.out / 'growth.md'}\n{arguments.out / 'growth.png'}")
 
 

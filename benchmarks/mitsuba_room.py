@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import room
-from ..core import bases, figures, library, measure, view
+from ..core import bases, figures, library, measure, recombination, spaces
+from ..core.mix import Light, Mix
 from ..core.spectrum import WAVELENGTHS, Spectrum
 from . import room_accuracy
 
@@ -144,12 +145,15 @@ def main(argv: list[str] | None = None):
 
     ours, *runs = (_blocks(picture) for picture in (ours, *runs))
     theirs = np.mean(runs, axis=0)
-    white = view.mixed_white([view.Light(library.illuminant(name)) for name in LIGHTING.values()], bases.bands(36))
+    white = recombination.mixed_white(
+        bases.bands(36), Mix({lamp: Light(library.illuminant(name)) for lamp, name in LIGHTING.items()})
+    )
     difference = measure.picture_delta_E(ours, theirs, white)
     noise = measure.picture_delta_E(runs[0], runs[1], white)
     arguments.out.mkdir(parents=True, exist_ok=True)
-    to_rgb = view.xyz_to_rgb()
-    shown = [(name, view.srgb_encoded(xyz @ to_rgb.T)) for name, xyz in (("Cycles, Relume", ours), ("Mitsuba", theirs))]
+    to_rgb = spaces.xyz_to_rgb()
+    pictures = {"Cycles, Relume": ours, "Mitsuba": theirs}
+    shown = [(name, spaces.srgb_encoded(xyz @ to_rgb.T)) for name, xyz in pictures.items()]
     figures.picture_row(arguments.out / "side_by_side.png", shown)
     maps = [("Cycles, Relume and Mitsuba", difference), ("two runs of Mitsuba", noise)]
     figures.delta_e_maps(arguments.out / "delta_e.png", maps)

@@ -16,7 +16,8 @@ import numpy as np
 import relume
 
 from ..addon import exr, render, setup
-from ..core import bases, coefficients, library, view
+from ..core import bases, coefficients, library, recombination
+from ..core.mix import Light
 
 __all__ = ["main"]
 
@@ -65,7 +66,7 @@ def _compositing(folder, groups: int, channels: int) -> float:
         alpha=np.ones((1080, 1920), np.float32),
     )
     path = folder / "coefficients.exr"
-    coefficients.write(path, image, render.picture(image, dict.fromkeys(names, view.Light(library.illuminant("D65")))))
+    coefficients.write(path, image, render.picture(image, dict.fromkeys(names, Light(library.illuminant("D65")))))
     scene = exr.new_scene(path)
     scene.render.compositor_device = "CPU"
     times = []
@@ -96,7 +97,7 @@ def main():
     for materials in arguments.materials:
         scene = _scene(materials, arguments.groups)
         setup.set_up(scene, bases.fitted(arguments.channels))
-        view.relight_matrix.cache_clear()
+        recombination.relight_matrix.cache_clear()
         setup.relight(scene)
         new, known = _clicks(scene, names), _clicks(scene, names[1:] + names[:1])
         print(

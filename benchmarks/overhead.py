@@ -26,7 +26,7 @@ import numpy as np
 
 from ..addon import denoise, render, setup
 from ..assets import make_room
-from ..core import bases, coefficients, grouping, measure, sampling, upsample, view
+from ..core import bases, channel_order, coefficients, measure, recombination, sampling, spaces, upsample
 from . import hard_scenes
 
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
@@ -37,7 +37,7 @@ SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": ha
 _VARIANTS = [
     ("even shares", sampling, "shares", lambda model, lights: np.full(model.passes, 1 / model.passes)),
     ("and seeds of their own", setup, "sampling_for", lambda scene, model: _with_seeds(scene, model)),
-    ("and channels by wavelength", grouping, "balanced", lambda model: model),
+    ("and channels by wavelength", channel_order, "balanced", lambda model: model),
     ("and the same seed", setup, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
 ]
 _THRESHOLD = [("one threshold for all", sampling, "adaptive", lambda threshold, minimum, *_: (threshold, minimum))]
@@ -95,7 +95,7 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
 
 def color_lamps(scene):
     """Give each lamp the colour of what shines in its light group."""
-    model, to_rgb = bases.bands(), view.xyz_to_rgb()
+    model, to_rgb = bases.bands(), spaces.xyz_to_rgb()
     for thing in scene.objects:
         if thing.type == "LIGHT":
             light = scene.relume.light_groups[thing.lightgroup].light()
@@ -196,7 +196,7 @@ def main(argv: list[str] | None = None):
             size = [n * arguments.percent // 100 for n in (scene.render.resolution_x, scene.render.resolution_y)]
             bpy.ops.wm.save_as_mainfile(filepath=str(path))
             rows = _measure(path, arguments)
-            white = view.mixed_white(bpy.context.scene.relume.lights(), bases.bands())
+            white = recombination.mixed_white(bases.bands(), setup.lighting(bpy.context.scene))
             print(f"\n{name}, {size[0]} × {size[1]} pixels, {arguments.samples} samples, {arguments.runs} runs:\n")
             print("\n".join([*_table(rows, white), ""]), flush=True)
 

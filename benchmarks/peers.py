@@ -27,7 +27,8 @@ import numpy as np
 
 from ..addon import render, setup
 from ..assets import make_room, room
-from ..core import bases, coefficients, figures, library, measure, view
+from ..core import bases, coefficients, figures, library, measure, recombination
+from ..core.mix import Light, Mix
 from . import mitsuba_room
 
 _MITSUBA, _OURS = "Mitsuba", "p = 9"
@@ -133,7 +134,8 @@ class _Mitsuba:
 
 
 def _white() -> np.ndarray:
-    return view.mixed_white([view.Light(library.illuminant(lamp.illuminant)) for lamp in room.LAMPS], bases.bands())
+    lights = {lamp.name: Light(library.illuminant(lamp.illuminant)) for lamp in room.LAMPS}
+    return recombination.mixed_white(bases.bands(), Mix(lights))
 
 
 def _median(xyz, truth) -> float:
@@ -215,7 +217,8 @@ def _report(rows: list[Row], arguments, size, noise: float):
         lines.append(f"| {row.name} | {measured} |")
     arguments.out.mkdir(parents=True, exist_ok=True)
     curves = [(row.name, row.curve()[:, 1], row.curve()[:, 2]) for row in rows]
-    figures.curves(arguments.out / "peers.png", [("seconds", curves)], "ΔE2000 to Mitsuba's long run, median")
+    panel = figures.Panel("seconds", curves, "ΔE2000 to Mitsuba's long run, median", log="xy")
+    figures.curves(arguments.out / "peers.png", [panel])
     (arguments.out / "peers.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(["", *lines, "", str(arguments.out / "peers.md")]))
 

@@ -16,7 +16,8 @@ import bpy
 import numpy as np
 
 from ..addon import content, render, setup, spectra
-from ..core import bases, coefficients, library, measure, plan, view
+from ..core import bases, coefficients, library, measure, plan, recombination
+from ..core.mix import Light, Mix
 
 _SIZE = (48, 36)
 _LAMPS = ("D65", "D50", "A", "FL2", "FL11", "LED-B1", "LED-B3", "HP1")
@@ -102,8 +103,8 @@ def _rendered(scene, model, samples: int) -> coefficients.CoefficientImage:
 def _measured(image, reference, lights, choices) -> float:
     """98th percentile of CIEDE2000, under the worst of the lightings that the planner looked at."""
     worst = 0.0
-    for lighting in [lights, *({group: view.Light(light) for group in lights} for light in choices)]:
-        white = view.mixed_white(list(lighting.values()), reference.model)
+    for lighting in [lights, *({group: Light(light) for group in lights} for light in choices)]:
+        white = recombination.mixed_white(reference.model, Mix(lighting))
         pictures = (coefficients.to_xyz(each, lighting) for each in (image, reference))
         worst = max(worst, measure.statistics(measure.picture_delta_E(*pictures, white))["p98"])
     return worst

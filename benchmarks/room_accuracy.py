@@ -18,7 +18,8 @@ import numpy as np
 from ..addon import render, setup
 from ..addon.jobs import Progress
 from ..assets import make_room
-from ..core import bases, coefficients, library, measure, view
+from ..core import bases, coefficients, library, measure, recombination
+from ..core.mix import Light, Mix
 
 _LIGHTINGS = {
     "A": {"tungsten": "A", "fluorescent": None},
@@ -69,7 +70,8 @@ def lit_xyz(image: coefficients.CoefficientImage, lighting: dict[str, str | None
 
 
 def _white(model, lighting: dict[str, str | None]) -> np.ndarray:
-    return view.mixed_white([view.Light(library.illuminant(n)) for n in lighting.values() if n], model)
+    lights = {group: Light(library.illuminant(name)) for group, name in lighting.items() if name}
+    return recombination.mixed_white(model, Mix(lights))
 
 
 def _difference(image, truth, lighting, method=measure.delta_E_2000) -> dict[str, float]:

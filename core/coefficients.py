@@ -2,21 +2,21 @@
 
 A coefficient image has, for every light group, p channels: the picture that each spectral coefficient paints under
 lamps of 1. The picture under any illuminants is a sum of 3×p matrices times these channels
-(`view.recombination_matrices`).
+(`recombination.recombination_matrices`).
 """
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from .errors import CoefficientImageError
+from . import results
+from .errors import CoefficientImageError, ResultError
 from .factor_model import FactorModel
+from .library import OBSERVER
 from .spectrum import Spectrum
-from .view import OBSERVER
 
 __all__ = [
     "EVERYTHING_ELSE",
@@ -49,7 +49,7 @@ class CoefficientImage:
 
     groups: light group -> (height, width, p) float32. illuminants: light group -> what lit it. alpha: (height, width).
     view: how Blender would show it (`view_transform`, `look`, `exposure`, `gamma`), an empty mapping for plain sRGB.
-    white, observer: as `view.recombination_matrices` takes them.
+    white, observer: as `mix.Mix` takes them.
     """
 
     model: FactorModel
@@ -90,7 +90,7 @@ def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
 
 
 def to_xyz(image: CoefficientImage, lights: Mapping) -> np.ndarray:
-    """(height, width, 3) XYZ of a coefficient image with a `view.Light` for each group."""
+    """(height, width, 3) XYZ of a coefficient image with a `mix.Light` for each group."""
     matrices = [lights[group].gain * image.model.relight(lights[group].illuminant) for group in image.groups]
     return recombine(list(image.groups.values()), np.array(matrices))
 
@@ -227,7 +227,7 @@ def channel_names(group: str, channels: int) -> list[str]:
 def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> None:
     """Write a coefficient image as one multilayer float EXR, its first layer the `picture` (height, width, 3).
 
-    The file appears whole or not at all. Raises OSError when it cannot be written.
+    The file appears whole or not at all. Raises ResultError when it cannot be written.
     """
     header = {
         "version": _VERSION,
@@ -256,19 +256,16 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
     spec = oiio.ImageSpec(width, height, count, "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
+    spec.attribute("DateTime", "")  # else the time of writing: the same picture would be other bytes each time
     for key, value in attributes.items():
         spec.attribute(key, value)
-    partial = path.with_name(f".{path.stem}.partial.exr")
-    output = oiio.ImageOutput.create(str(partial))
-    try:
+    with results.replacing(path) as partial:
+        output = oiio.ImageOutput.create(str(partial))
         done = output.open(str(partial), spec) and output.write_image(np.ascontiguousarray(pixels))
-        message = output.geterror().strip()
+        message = output.geterror().strip().replace(str(partial), path.name)
         done = output.close() and done
         if not done:
-            raise OSError(f"{path}: cannot be written ({message or 'disk full?'})")
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+            raise ResultError(f"{path}: cannot be written; is the disk full? ({message})")
 
 
 def _described(path: Path) -> tuple[dict, tuple[int, int]]:

@@ -26,7 +26,7 @@ class SpectrumError(RelumeError, ValueError):
 class LibraryError(RelumeError, KeyError):
     """A name that the library does not hold; the message suggests the nearest ones."""
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.args[0]
 
 

@@ -4,12 +4,15 @@
 """
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
 from . import bases, library, measure
+from .arrays import Array
+from .factor_model import FactorModel
 from .relight import power_weights
-from .spectrum import WAVELENGTHS
+from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["PAPER_LIMITS", "bounces", "metamer_splits", "product_errors", "published", "split_error", "three_bounces"]
 
@@ -22,7 +25,9 @@ PUBLISHED = {
 THREE_SURFACES = ("light skin", "foliage", "blue sky")
 
 
-def published(channels, lights, reflectances, limits):
+def published(
+    channels: int, lights: Sequence[Spectrum], reflectances: Sequence[Spectrum], limits: tuple[float, float]
+) -> dict[str, FactorModel]:
     """The bases of [DF] -> {name: FactorModel}."""
     return {
         name: bases.sharpened(channels, method, lights, reflectances, limits=limits, outside=outside)
@@ -30,13 +35,15 @@ def published(channels, lights, reflectances, limits):
     }
 
 
-def paper_observer():
+def paper_observer() -> Array:
     """Colour matching functions that vanish outside PAPER_LIMITS -> (81, 3)."""
     inside = (PAPER_LIMITS[0] <= WAVELENGTHS) & (PAPER_LIMITS[1] >= WAVELENGTHS)
     return library.observer() * inside[:, None]
 
 
-def product_errors(model, spectra, lights, count=1, most=400, seed=7):
+def product_errors(
+    model: FactorModel, spectra: Array, lights: Sequence[Spectrum], count: int = 1, most: int = 400, seed: int = 7
+) -> Array:
     """CIEDE2000 of products of `count` of the reflectances (m, 81), under each light (list of Spectrum) -> (e, N).
 
     All reflectances for one bounce, `most` random products for more.
@@ -54,7 +61,7 @@ def product_errors(model, spectra, lights, count=1, most=400, seed=7):
     return np.stack(errors)
 
 
-def accumulated(factors, rule):
+def accumulated(factors: Array, rule: str) -> Array:
     """Light after 1 to k bounces from k factors (k, ...) -> (k, ...), for spectra and coefficients alike.
 
     rule: "paper", a <- a (1 + S), or "physical", S1 + S1 S2 + S1 S2 S3 + ...
@@ -64,7 +71,15 @@ def accumulated(factors, rule):
     return np.cumsum(np.cumprod(factors, axis=0), axis=0)
 
 
-def bounces(channels, reflectances, lights, rule="paper", count=5, trials=1000, seed=2003):
+def bounces(
+    channels: int,
+    reflectances: Sequence[Spectrum],
+    lights: Sequence[Spectrum],
+    rule: str = "paper",
+    count: int = 5,
+    trials: int = 1000,
+    seed: int = 2003,
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Random series of bounces by every method of [DF] and ours, over PAPER_LIMITS.
 
     reflectances, lights: lists of Spectrum -> {method: CIE 1976 differences (trials, lights, count)}, and the same
@@ -91,7 +106,7 @@ def bounces(channels, reflectances, lights, rule="paper", count=5, trials=1000, 
         for method, model in theirs.items():
             # In [DF] the light is one more factor: its coefficients multiply those of the surfaces.
             coefficients = model.coefficients(power) * accumulated(model.coefficients(series), rule)
-            rebuilt[method] = coefficients @ model.reconstruction.T
+            rebuilt[method] = model.reconstruct(coefficients)
         colours = {method: spectrum @ cmfs for method, spectrum in rebuilt.items()}
         for method, model in ours.items():
             coefficients = accumulated(model.coefficients(series), rule)
@@ -102,17 +117,18 @@ def bounces(channels, reflectances, lights, rule="paper", count=5, trials=1000, 
         for method, spectrum in rebuilt.items():
             error = np.linalg.norm(spectrum - signal, axis=-1) / np.linalg.norm(signal, axis=-1)
             spectral[method].append(100 * error)
-    return tuple(
+    by_trial, rebuilt_by_trial = (
         {method: np.stack(v).transpose(2, 0, 1) for method, v in rows.items()} for rows in (differences, spectral)
     )
+    return by_trial, rebuilt_by_trial
 
 
-def three_surfaces():
+def three_surfaces() -> Array:
     """Light skin, foliage and blue sky of the ColorChecker -> (3, 81)."""
     return np.stack([library.reflectance(f"ColorChecker: {name}").sampled() for name in THREE_SURFACES])
 
 
-def three_bounces(channels):
+def three_bounces(channels: int) -> dict[str, float]:
     """[DF] section 3.D: FL2 off light skin, foliage and blue sky; bases of the ColorChecker under FL2.
 
     -> {method: CIE 1976 difference}
@@ -133,14 +149,15 @@ def three_bounces(channels):
     return {method: float(measure.delta_E_1976(xyz, truth, white)) for method, xyz in colours.items()}
 
 
-def metamer_splits(model, pairs, light):
+def metamer_splits(model: FactorModel, pairs: Array, light: Spectrum) -> tuple[Array, Array]:
     """CIEDE2000 between the two of each pair of reflectances (m, 2, 81) under a light: (m,) true, (m,) by the model."""
     weights = power_weights(light.sampled(), library.observer())
-    true, seen = pairs @ weights, model.coefficients(pairs) @ model.relight(light).T
-    return tuple(measure.delta_E_2000(xyz[:, 0], xyz[:, 1], weights.sum(axis=0)) for xyz in (true, seen))
+    both = pairs @ weights, model.coefficients(pairs) @ model.relight(light).T
+    true, seen = (measure.delta_E_2000(xyz[:, 0], xyz[:, 1], weights.sum(axis=0)) for xyz in both)
+    return true, seen
 
 
-def split_error(true, seen):
+def split_error(true: Array, seen: Array) -> float:
     """Median relative error of the splits that can be seen, those above 1."""
     visible = true > 1
     return float(np.median(np.abs(seen - true)[visible] / true[visible]))

@@ -4,93 +4,103 @@ A renderer multiplies coefficients channel by channel and adds them; that is exa
 approximate for their product. Every published method is one choice of filters and of a rule for the matrices.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from . import library, relight, training
+from . import library, relight
+from .arrays import Array, ArrayLike, numbers, resampled
 from .errors import ModelError
-from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
+from .rules import RULES, Fitted, Rule
+from .spectrum import Spectrum, SpectrumError
+from .training import Training
 
-__all__ = ["FactorModel", "ModelError"]
+__all__ = ["FactorModel", "ModelError", "Observer", "Spectra"]
 
-RULES = ("fitted", "reconstructed", "diagonal")
-ARRAYS = ("wavelengths", "filters", "reconstruction", "primaries", "reflectances")
+REFERENCE_CHANNELS = 33  # the fewest that make a reference
+MOST_WAVELENGTHS = 5000  # of a model in a file: the largest array made of it has so many squared
+
+Spectra = Spectrum | Sequence[Spectrum] | ArrayLike
+Observer = str | Sequence[Spectrum] | Array
 
 
 @dataclass(frozen=True, eq=False)
 class FactorModel:
     """Filters (n, p) on wavelengths (n,) nm, and the rule by which `relight` makes its matrices.
 
-    filters: columns sum to 1, so that a flat spectrum of 1 has coefficients 1.
-    rule: "fitted" fits each matrix on products of the scene's `reflectances` (m, n) and those of `training`;
-        "reconstructed" rebuilds spectra with `reconstruction` (n, p) and integrates them; "diagonal" scales three
-        primaries, whose XYZ are the columns of `primaries` (3, 3).
+    filters: columns sum to 1, so that a flat spectrum of 1 has coefficients 1. rule: see `rules`.
     Raises ModelError.
     """
 
     name: str
-    wavelengths: np.ndarray
-    filters: np.ndarray
-    rule: str = "fitted"
-    reconstruction: np.ndarray | None = None
-    primaries: np.ndarray | None = None
-    reflectances: np.ndarray | None = None
+    wavelengths: Array
+    filters: Array
+    rule: Rule = Fitted()
 
-    def __post_init__(self):
-        for field in ARRAYS:
-            if getattr(self, field) is not None:
-                try:
-                    array = np.array(getattr(self, field), dtype=np.float64, order="C")
-                except (TypeError, ValueError):
-                    raise ModelError(f"model {self.name!r}: {field} must be numbers") from None
-                if not np.isfinite(array).all():
-                    raise ModelError(f"model {self.name!r}: {field} must be finite numbers")
-                array.setflags(write=False)
-                object.__setattr__(self, field, array)
-        if self.rule not in RULES:
-            raise ModelError(f"model {self.name!r}: rule {self.rule!r} is none of {', '.join(RULES)}")
-        self._check_shapes()
-        if self.rule == "fitted" and not np.array_equal(self.wavelengths, WAVELENGTHS):
-            raise ModelError(f"model {self.name!r}: the fitted rule works on 380 to 780 nm at 5 nm")
-        if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
-            raise ModelError(f"model {self.name!r}: every filter must sum to 1")
-        if self.rule == "diagonal" and (self.primaries is None or self.channels != 3):
-            raise ModelError(f"model {self.name!r}: the diagonal rule needs three channels and their primaries")
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str):
+            raise ModelError("the name of a factor model must be text")
+        try:
+            for field in ("wavelengths", "filters"):
+                object.__setattr__(self, field, numbers(getattr(self, field), field))
+            with np.errstate(all="ignore"):
+                self._check()
+                self.rule.check(self)
+        except ModelError as error:
+            raise ModelError(f"model {self.name[:60]!r}: {error}") from None
 
-    def _check_shapes(self):
-        if self.wavelengths.ndim != 1 or not np.allclose(steps := np.diff(self.wavelengths), abs(steps[:1]), rtol=1e-6):
-            raise ModelError(f"model {self.name!r}: wavelengths must increase in equal steps")
+    def _check(self) -> None:
         count = self.wavelengths.size
-        if self.filters.ndim != 2 or len(self.filters) != count or self.filters.shape[1] == 0:
-            raise ModelError(f"model {self.name!r}: filters {self.filters.shape} do not fit {count} wavelengths")
-        expected = {"reconstruction": self.filters.shape, "primaries": (3, 3)}
-        if self.reflectances is not None:
-            expected["reflectances"] = (len(np.atleast_1d(self.reflectances)), count)
-        for field, shape in expected.items():
-            array = getattr(self, field)
-            if array is not None and array.shape != shape:
-                raise ModelError(f"model {self.name!r}: {field} must be {shape}, not {array.shape}")
+        if self.wavelengths.ndim != 1 or not 0 < count <= MOST_WAVELENGTHS:
+            raise ModelError(f"wavelengths must be a list of 1 to {MOST_WAVELENGTHS}")
+        steps = np.diff(self.wavelengths)
+        if not (steps > 0).all() or not np.allclose(steps, steps[:1], rtol=1e-6):
+            raise ModelError("wavelengths must increase in equal steps")
+        if self.filters.ndim != 2 or len(self.filters) != count or not 0 < self.channels <= MOST_WAVELENGTHS:
+            raise ModelError(f"filters {self.filters.shape} do not fit {count} wavelengths")
+        if not np.allclose(self.filters.sum(axis=0), 1, rtol=0, atol=1e-9):
+            raise ModelError("every filter must sum to 1")
 
     @property
-    def channels(self):
+    def channels(self) -> int:
         """Number of coefficients p."""
         return self.filters.shape[1]
 
     @property
-    def passes(self):
+    def passes(self) -> int:
         """Number of RGB passes that carry them."""
         return -(-self.channels // 3)
 
-    def coefficients(self, spectra):
+    @property
+    def label(self) -> str:
+        """What people call the model: "9 channels", "the reference, 36 bands"."""
+        return self.rule.label(self)
+
+    @property
+    def is_reference(self) -> bool:
+        """Whether every channel is a sample of the spectrum, so that products are exact for any number of bounces."""
+        return self.channels >= REFERENCE_CHANNELS and np.count_nonzero(self.filters, axis=0).max() <= 2
+
+    def reordered(self, order: list[int]) -> "FactorModel":
+        """The same model with its channels in another order; itself where their order means something."""
+        rule = self.rule.reordered(order)
+        return self if rule is None else replace(self, filters=self.filters[:, order], rule=rule)
+
+    def coefficients(self, spectra: Spectra) -> Array:
         """Coefficients of a Spectrum (p,), of a list of them (m, p), or of an array (..., n) on `wavelengths` (..., p).
 
         Raises SpectrumError.
+
+        >>> from relume.core import bases
+        >>> bases.fitted(6).coefficients(np.full(81, 0.5))
+        array([0.5, 0.5, 0.5, 0.5, 0.5, 0.5])
         """
         return self._sampled(spectra) @ self.filters
 
-    def shares(self, spectrum, steps=36, most=6):
+    def shares(self, spectrum: Spectrum, steps: int = 36, most: int = 6) -> Array:
         """Means of a Spectrum over equal shares of each filter's weight, from blue to red -> (shares, p).
 
         There are as many shares as give all filters together that many `steps`, `most` for each at most. They average
@@ -106,27 +116,31 @@ class FactorModel:
         means = np.einsum("n,nkp->kp", values, overlap)
         return means + self.coefficients(spectrum) - means.mean(axis=0)
 
-    def relight(self, illuminant, observer="CIE 1931 2°"):
+    def relight(self, illuminant: Spectra, observer: Observer = library.OBSERVER) -> Array:
         """XYZ of a product of coefficients under `illuminant`, with Y = 1 for a perfect white -> (3, p).
 
         observer: the name of an observer or camera that `library.sensitivities` knows, or sensitivities, (n, 3) or
         three Spectrum, the second of which takes Y's place. Raises SpectrumError, library.LibraryError.
-        """
-        return self._matrix(self._sampled(illuminant), self._observer(observer))
 
-    def emission(self, illuminant, reference, observer="CIE 1931 2°"):
+        >>> from relume.core import bases
+        >>> white = bases.fitted(9).relight(library.illuminant("A")) @ np.ones(9)
+        >>> white.round(2)
+        array([1.1 , 1.  , 0.36])
+        """
+        return self.rule.matrix(self, relight.power_weights(self._sampled(illuminant), self._observer(observer)))
+
+    def emission(self, illuminant: Spectra, reference: Spectra, observer: Observer = library.OBSERVER) -> Array:
         """Coefficients (p,) of a light of this `illuminant` whose light group is relit by `reference`.
 
         A perfect white has Y = 1 under it. All ones where the two are the same. Raises as `relight` does.
         """
         power, cmfs = self._sampled(illuminant), self._observer(observer)
-        other = self._sampled(reference)
-        if np.allclose(relight.power_weights(power, cmfs), relight.power_weights(other, cmfs), rtol=0, atol=1e-12):
+        weights, other = (relight.power_weights(light, cmfs) for light in (power, self._sampled(reference)))
+        if np.allclose(weights, other, rtol=0, atol=1e-12):
             return np.ones(self.channels)
-        weights = relight.power_weights(power, cmfs)
-        return relight.emitter(self._training, self._training_coefficients, self._matrix(other, cmfs), weights)
+        return relight.emitter(self.training, self.training_coefficients, self.rule.matrix(self, other), weights)
 
-    def reconstruct(self, coefficients):
+    def reconstruct(self, coefficients: ArrayLike) -> Array:
         """The smoothest spectra (..., n) that have these coefficients (..., p); flat for equal coefficients.
 
         Raises ModelError.
@@ -136,35 +150,32 @@ class FactorModel:
             raise ModelError(f"expected {self.channels} coefficients per spectrum, got an array {coefficients.shape}")
         if not np.isfinite(coefficients).all():
             raise ModelError("coefficients must be finite numbers")
-        return coefficients @ self._reconstruction.T
+        return coefficients @ self.basis.T
 
-    def to_dict(self):
+    def to_dict(self) -> dict[str, Any]:
         """A JSON-able description from which `from_dict` makes the same model."""
-        arrays = {field: getattr(self, field) for field in ARRAYS if getattr(self, field) is not None}
-        return {"name": self.name, "rule": self.rule, **{field: array.tolist() for field, array in arrays.items()}}
+        arrays = {name: getattr(self, name) for name in ("wavelengths", "filters")}
+        arrays[self.rule.array] = getattr(self.rule, self.rule.array)
+        lists = {name: array.tolist() for name, array in arrays.items() if array is not None}
+        return {"name": self.name, "rule": self.rule.kind, **lists}
 
     @classmethod
-    def from_dict(cls, description):
-        """The inverse of `to_dict`. Raises ModelError."""
-        try:
-            return cls(**description)
-        except TypeError as error:
-            raise ModelError(f"not the description of a factor model: {error}") from None
+    def from_dict(cls, description: object) -> "FactorModel":
+        """The inverse of `to_dict`. Raises ModelError, whatever the description."""
+        if not isinstance(description, Mapping):
+            raise ModelError("not the description of a factor model: expected names and values")
+        given = {"rule": Fitted.kind} | {name: value for name, value in description.items() if value is not None}
+        kind = given.pop("rule")
+        if not isinstance(kind, str) or kind not in RULES:
+            raise ModelError(f"not the description of a factor model: its rule is none of {', '.join(RULES)}")
+        rule = RULES[kind]
+        values = given.pop(rule.array, None)
+        if given.keys() != {"name", "wavelengths", "filters"}:
+            odd = sorted(given.keys() ^ {"name", "wavelengths", "filters"}, key=str)
+            raise ModelError(f"not the description of a factor model of the rule {kind}: {str(odd[0])[:60]!r} ...")
+        return cls(**given, rule=rule(values))
 
-    def _matrix(self, illuminant, cmfs):
-        weights = relight.power_weights(illuminant, cmfs)
-        if self.rule == "fitted":
-            exact = relight.exact_matrix(self.filters, weights)
-            if exact is not None:
-                return exact
-            return relight.fitted_matrices(
-                self._training_coefficients, *relight.targets(self._training, weights[None])
-            )[0]
-        if self.rule == "reconstructed":
-            return relight.reconstructed_matrix(self._reconstruction, weights)
-        return self.primaries * np.linalg.solve(self.primaries, weights.sum(axis=0))
-
-    def _sampled(self, spectra):
+    def _sampled(self, spectra: Spectra) -> Array:
         if isinstance(spectra, Spectrum):
             return spectra.sampled(self.wavelengths)
         if isinstance(spectra, (list, tuple)) and spectra and all(isinstance(s, Spectrum) for s in spectra):
@@ -178,9 +189,9 @@ class FactorModel:
             raise SpectrumError("spectra must be finite numbers")
         return values
 
-    def _observer(self, observer):
+    def _observer(self, observer: Observer) -> Array:
         if isinstance(observer, str):
-            return self._on_own_wavelengths(library.sensitivities(observer).T).T
+            return resampled(library.sensitivities(observer).T, self.wavelengths).T
         if len(observer) == 3 and all(isinstance(one, Spectrum) for one in observer):
             return np.stack([one.sampled(self.wavelengths) for one in observer], axis=1)
         cmfs = np.asarray(observer, dtype=np.float64)
@@ -190,38 +201,22 @@ class FactorModel:
             )
         return cmfs
 
-    def _on_own_wavelengths(self, rows):
-        """Rows (m, 81) on WAVELENGTHS -> (m, n)."""
-        if np.array_equal(self.wavelengths, WAVELENGTHS):
-            return rows
-        return np.stack([np.interp(self.wavelengths, WAVELENGTHS, row) for row in rows])
-
     @property
-    def _training(self):
+    def training(self) -> Training:
+        """Products that matrices and emissions are fitted on."""
         return self._training_set[1]
 
     @cached_property
-    def _training_coefficients(self):
+    def training_coefficients(self) -> Array:
+        """(N, p): what a renderer makes of those products."""
         reflectances, drawn = self._training_set
         return drawn.coefficients(reflectances @ self.filters)
 
     @cached_property
-    def _training_set(self):
-        """Reflectances (m, n) and their products, on this model's wavelengths."""
-        if self.rule != "fitted" and not np.array_equal(self.wavelengths, WAVELENGTHS):
-            own = self._on_own_wavelengths(training.reflectances())
-            return own, training.products(own)
-        if self.reflectances is not None:
-            return training.with_general(self.reflectances)
-        return training.general()
+    def _training_set(self) -> tuple[Array, Training]:
+        return self.rule.training(self.wavelengths)
 
     @cached_property
-    def _reconstruction(self):
-        if self.reconstruction is not None:
-            return self.reconstruction
-        # Least squared second differences subject to filters^T s = c; a flat spectrum has none, so it comes out flat.
-        count, channels = self.filters.shape
-        bend = np.diff(np.eye(count), n=2, axis=0)
-        system = np.block([[bend.T @ bend, self.filters], [self.filters.T, np.zeros((channels, channels))]])
-        right = np.concatenate([np.zeros((count, channels)), np.eye(channels)])
-        return np.linalg.lstsq(system, right, rcond=None)[0][:count]
+    def basis(self) -> Array:
+        """B (n, p): spectra are rebuilt from coefficients c as B c."""
+        return self.rule.basis(self.filters)

@@ -1,14 +1,37 @@
-"""Pictures of pictures: side by side, and maps of colour differences with a colour bar."""
+"""Every drawing made with matplotlib: pictures side by side, maps of colour differences, plots."""
 
 import importlib.util
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["available", "curves", "delta_e_maps", "error_over_time", "picture_row"]
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["Panel", "available", "curves", "delta_e_maps", "error_over_time", "picture_row"]
 
 _INCHES = 4.0  # width of one picture on the page
 _DPI = 120
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Lines (name, x, y) or (name, x, y, style of matplotlib) over `across`; `log` names the logarithmic axes.
+
+    A name has the same colour in every panel, unless the style has one, and one entry in the legend; "" has none.
+    """
+
+    across: str
+    lines: Sequence[tuple]
+    up: str = ""
+    title: str = ""
+    log: str = ""
+    ticks: ArrayLike = ()
 
 
 def available() -> bool:
@@ -19,40 +42,41 @@ def available() -> bool:
         return False  # colour-science has put a stand-in in its place
 
 
-def _page(columns: int, rows: int, aspect: float):
-    """A figure of columns × rows pictures, `aspect` high for 1 wide, drawn without a screen."""
+def _page(columns: int, rows: int, size: tuple[float, float], alike: bool = False) -> tuple["Figure", list["Axes"]]:
+    """A figure of columns × rows axes, drawn without a screen; with one upward scale if `alike`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    size = (_INCHES * columns, (_INCHES * aspect + 0.45) * rows)
     figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
+    return figure, list(figure.subplots(rows, columns, sharey=alike, squeeze=False).ravel())
+
+
+def _page_of(pictures: Sequence[tuple[str, NDArray]], columns: int) -> tuple["Figure", list["Axes"]]:
+    """A figure for pictures (title, (height, width, ...)) of one size, without scales."""
+    height, width = pictures[0][1].shape[:2]
+    rows = -(-len(pictures) // columns)
+    figure, axes = _page(columns, rows, (_INCHES * columns, (_INCHES * height / width + 0.45) * rows))
     for axis in axes:
         axis.set_axis_off()
     return figure, axes
 
 
-def _aspect(pictures) -> float:
-    height, width = pictures[0][1].shape[:2]
-    return height / width
-
-
-def picture_row(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
+def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]]) -> None:
     """Write pictures in a row: (title, (height, width, 3) encoded for the display, 0..1) each."""
-    figure, axes = _page(len(pictures), 1, _aspect(pictures))
+    figure, axes = _page_of(pictures, len(pictures))
     for axis, (title, picture) in zip(axes, pictures, strict=True):
         axis.imshow(np.clip(picture, 0.0, 1.0), interpolation="lanczos")
         axis.set_title(title, fontsize=11)
     figure.savefig(path)
 
 
-def delta_e_maps(path: Path, maps: list[tuple[str, np.ndarray]], vmax: float = 5.0, columns: int = 2) -> None:
+def delta_e_maps(path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 5.0, columns: int = 2) -> None:
     """Write maps of colour difference (title, (height, width)) in a grid, with one colour bar from 0 to `vmax`.
 
     The title of each gets the median and the 98th percentile; 1 is a just noticeable difference.
     """
-    figure, axes = _page(columns, -(-len(maps) // columns), _aspect(maps))
+    figure, axes = _page_of(maps, columns)
     for axis, (title, values) in zip(axes, maps, strict=False):
         shown = axis.imshow(values, vmin=0.0, vmax=vmax, cmap="inferno", interpolation="nearest")
         median, p98 = np.percentile(values, [50, 98])
@@ -62,9 +86,9 @@ def delta_e_maps(path: Path, maps: list[tuple[str, np.ndarray]], vmax: float = 5
     figure.savefig(path)
 
 
-def error_over_time(path: Path, points: list[tuple[str, float, float, float]], marked: str) -> None:
+def error_over_time(path: Path, points: Sequence[tuple[str, float, float, float]], marked: str) -> None:
     """Plot (name, seconds, total error, error of the model alone), both axes logarithmic; `marked` stands out."""
-    figure, (axis,) = _plot(1)
+    figure, (axis,) = _page(1, 1, (8, 5.5))
     least = 0.01  # a logarithmic axis has no zero
     for name, seconds, total, model in points:
         color = "tab:red" if name == marked else "tab:blue"
@@ -76,42 +100,45 @@ def error_over_time(path: Path, points: list[tuple[str, float, float, float]], m
     axis.axhline(1.0, color="grey", linewidth=0.8, linestyle=":")
     axis.margins(x=0.2)
     axis.set(xscale="log", yscale="log", xlabel="seconds", ylabel="ΔE2000 to the reference, 98th percentile")
-    for ticks in (axis.xaxis, axis.yaxis):
-        ticks.set_major_formatter("{x:g}")
-        ticks.set_minor_formatter("")
+    _plain_numbers(axis)
     axis.xaxis.set_minor_formatter("{x:g}")
     axis.set_title("Error against run time: dot with noise, dash the model alone", fontsize=11)
     figure.savefig(path)
 
 
-def curves(path: Path, panels: list[tuple[str, list]], up: str) -> None:
-    """Plot lines (name, x, y) in panels side by side, all axes logarithmic; values of 0 or less are left out.
-
-    panels: (what x is, lines) each. up: what y is. A name has the same colour everywhere, and one legend.
-    """
-    figure, axes = _plot(len(panels))
-    colors = {}
-    for axis, (across, lines) in zip(axes, panels, strict=True):
-        for name, x, y in lines:
-            color = colors.setdefault(name, f"C{len(colors)}")
-            axis.plot(x, np.where(np.asarray(y) > 0, y, np.nan), "o-", markersize=4, linewidth=1.2, color=color)
-        axis.set(xscale="log", yscale="log", xlabel=across)
-        for ticks in (axis.xaxis, axis.yaxis):
-            ticks.set_major_formatter("{x:g}")
-            ticks.set_minor_formatter("")
+def curves(path: Path, panels: Sequence[Panel], columns: int = 0) -> None:
+    """Plot panels side by side, `columns` to a row, with one legend; on a logarithmic axis 0 or less is left out."""
+    columns = columns or len(panels)
+    rows = -(-len(panels) // columns)
+    size = (8, 5.5) if len(panels) == 1 else (_INCHES * columns, 4.5 * rows)
+    alike = len({(panel.up, panel.log) for panel in panels}) == 1 and "y" in panels[0].log
+    figure, axes = _page(columns, rows, size, alike)
+    named: dict = {}
+    for axis, panel in zip(axes, panels, strict=False):
+        axis.set(xlabel=panel.across, ylabel="" if alike and axis is not axes[0] else panel.up, title=panel.title)
+        axis.set(**{f"{which}scale": "log" for which in panel.log})
+        for name, x, y, *style in panel.lines:
+            if "y" in panel.log:
+                y = np.where(np.asarray(y) > 0, y, np.nan)
+            (line,) = axis.plot(x, y, *(style or ["o-"]), markersize=4, linewidth=1.2, label=name)
+            if name and not any(letter.isalpha() and letter != "o" for letter in "".join(style)):
+                line.set_color(named[name].get_color() if name in named else f"C{len(named)}")
+            if name:
+                named.setdefault(name, line)
         axis.grid(True, linewidth=0.4, alpha=0.5)
-    axes[0].set_ylabel(up)
-    handles = [axes[0].plot([], [], "o-", markersize=4, color=color, label=name)[0] for name, color in colors.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=6, fontsize=9)
+        if np.size(panel.ticks):
+            axis.set_xticks(panel.ticks)
+        _plain_numbers(axis)
+    for axis in axes[len(panels) :]:
+        axis.remove()
+    if named:
+        figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=6, fontsize=9)
     figure.savefig(path)
 
 
-def _plot(panels: int):
-    """A figure with axes side by side, drawn without a screen."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    size = (8, 5.5) if panels == 1 else (_INCHES * panels, 4.5)
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure, np.atleast_1d(figure.subplots(1, panels, sharey=True))
+def _plain_numbers(axis: "Axes") -> None:
+    """1 and 100 in place of powers of ten, on logarithmic axes."""
+    for ticks in (axis.xaxis, axis.yaxis):
+        if ticks.get_scale() == "log":
+            ticks.set_major_formatter("{x:g}")
+            ticks.set_minor_formatter("")

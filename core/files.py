@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from . import results
 from .spectrum import Spectrum, SpectrumError
 
 __all__ = ["illuminant", "observer", "read", "write"]
@@ -61,7 +62,7 @@ def observer(path):
 
 
 def write(path, spectra):
-    """Write spectra as CSV, on the union of their wavelengths -> path. Raises SpectrumError, OSError.
+    """Write spectra as CSV, on the union of their wavelengths -> path. Raises SpectrumError, ResultError.
 
     Every spectrum must be measured over the whole of that range; between its samples it is interpolated.
     """
@@ -77,15 +78,10 @@ def write(path, spectra):
             )
     columns = [np.interp(wavelengths, spectrum.wavelengths, spectrum.values) for spectrum in spectra]
     path = Path(path)
-    partial = path.with_name(path.name + ".part")
-    try:
-        with open(partial, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["wavelength_nm", *(spectrum.name for spectrum in spectra)])
-            writer.writerows([repr(float(value)) for value in row] for row in zip(wavelengths, *columns, strict=True))
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with results.replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["wavelength_nm", *(spectrum.name for spectrum in spectra)])
+        writer.writerows([repr(float(value)) for value in row] for row in zip(wavelengths, *columns, strict=True))
     return path
 
 

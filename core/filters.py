@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from . import library
+from .arrays import Array
 from .spectrum import WAVELENGTHS
 
 __all__ = ["REFERENCE", "SHIPPED", "read_filters", "start_filters", "write_filters"]
@@ -14,11 +15,11 @@ DECIMALS = 7
 
 # nm; the 36 of the 81 wavelengths between which the training set interpolates best under the CIE illuminants: 5 nm
 # apart where the eye and the lines of lamps need it, found by dropping the least important one at a time.
-REFERENCE = (390, 405, 420, 435, 445, 450, 460, 465, 475, 490, 505, 510, 520, 530, 535, 540, 545, 550, 555, 560, 565)
-REFERENCE += (570, 575, 580, 585, 590, 595, 600, 605, 610, 615, 630, 645, 655, 675, 720)
+_TO_GREEN = (390, 405, 420, 435, 445, 450, 460, 465, 475, 490, 505, 510, 520, 530, 535, 540, 545, 550, 555, 560, 565)
+REFERENCE = (*_TO_GREEN, 570, 575, 580, 585, 590, 595, 600, 605, 610, 615, 630, 645, 655, 675, 720)
 
 
-def start_filters(channels, random=None, total=None):
+def start_filters(channels: int, random: np.random.Generator | None = None, total: Array | None = None) -> Array:
     """Adjoining bands weighted by `total` (81,), edges blurred -> (81, p).
 
     Their edges share out a power of `total`, by default the sum of the matching functions, equally; `random` (a numpy
@@ -37,7 +38,7 @@ def start_filters(channels, random=None, total=None):
     return filters / filters.sum(axis=0)
 
 
-def write_filters(path, filters):
+def write_filters(path: Path, filters: dict[int, Array]) -> None:
     """Write {channels: filters (81, p)} as CSV: one row per wavelength, one column per filter."""
     head = ["wavelength_nm"] + [f"p{p}_{j + 1}" for p in filters for j in range(p)]
     rows = np.concatenate([WAVELENGTHS[:, None], *filters.values()], axis=1)
@@ -47,7 +48,7 @@ def write_filters(path, filters):
     Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def read_filters(path=SHIPPED):
+def read_filters(path: Path = SHIPPED) -> dict[int, Array]:
     """The inverse of `write_filters`; columns are made to sum to 1 exactly."""
     with open(path, encoding="utf-8") as file:
         head = file.readline().strip().split(",")[1:]

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .arrays import Array, ArrayLike
+from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["conductor_channels", "filtered_conductor", "normal_reflectance", "reflectance"]
@@ -10,8 +12,12 @@ __all__ = ["conductor_channels", "filtered_conductor", "normal_reflectance", "re
 COSINES = (np.arange(24) + 0.5) / 24
 
 
-def reflectance(n, k, cosine):
-    """Unpolarised Fresnel reflectance of a conductor in air; arrays broadcast, cosine in 0..1 -> 0..1."""
+def reflectance(n: ArrayLike, k: ArrayLike, cosine: ArrayLike) -> Array:
+    """Unpolarised Fresnel reflectance of a conductor in air; arrays broadcast, cosine in 0..1 -> 0..1.
+
+    >>> round(float(reflectance(0.27, 2.95, 1.0)), 2)  # gold in red light, head on
+    0.9
+    """
     n, k, cosine = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (n, k, cosine)))
     squared = cosine**2
     sine = 1 - squared
@@ -27,17 +33,17 @@ def reflectance(n, k, cosine):
     return (s + p) / 2
 
 
-def normal_reflectance(n, k):
+def normal_reflectance(n: Spectrum, k: Spectrum) -> Spectrum:
     """Reflectance at normal incidence of a metal of index `n` and extinction `k` (Spectrum) -> Spectrum."""
     return Spectrum(WAVELENGTHS, reflectance(n.sampled(), k.sampled(), 1.0), n.name)
 
 
-def conductor_channels(model, n, k):
+def conductor_channels(model: FactorModel, n: Spectrum, k: Spectrum) -> tuple[Array, Array]:
     """n (p,) and k (p,) per channel of `model` for a metal's index `n` and extinction `k` (Spectrum)."""
     return filtered_conductor(model.filters, n.sampled(model.wavelengths), k.sampled(model.wavelengths))
 
 
-def filtered_conductor(filters, n, k):
+def filtered_conductor(filters: Array, n: Array, k: Array) -> tuple[Array, Array]:
     """n (q,), k (q,), both positive, whose reflectance over angle best matches that seen through `filters` (m, q).
 
     n, k: (m,) over wavelength. The filters may be signed, as those of a preview; reflectances outside 0..1 are then met
@@ -48,21 +54,19 @@ def filtered_conductor(filters, n, k):
     weights = np.abs(filters) / np.abs(filters).sum(axis=0)
     start_n, start_k = n @ weights, k @ weights
     starts = [(start_n, start_k), (np.maximum(start_n, 1), start_k), (0.2 * start_n, 1.5 * start_k + 0.5)]
-    best = None
-    for guess in starts:
+    best, best_error = _descend(np.log(np.maximum(starts[0], 1e-3)), target)
+    for guess in starts[1:]:
         log_index, error = _descend(np.log(np.maximum(guess, 1e-3)), target)
-        if best is None:
-            best, best_error = log_index, error
-        else:
-            better = error < best_error * (1 - 1e-6)
-            best, best_error = np.where(better, log_index, best), np.where(better, error, best_error)
-    return tuple(np.exp(best))
+        better = error < best_error * (1 - 1e-6)
+        best, best_error = np.where(better, log_index, best), np.where(better, error, best_error)
+    n, k = np.exp(best)
+    return n, k
 
 
-def _descend(log_index, target, steps=60):
+def _descend(log_index: Array, target: Array, steps: int = 60) -> tuple[Array, Array]:
     """Levenberg-Marquardt for every channel at once: log (n, k) (2, q) -> (2, q), squared error (q,)."""
 
-    def reflected(values):
+    def reflected(values: Array) -> Array:
         return reflectance(np.exp(values[0]), np.exp(values[1]), COSINES[:, None])
 
     damping = np.full(target.shape[1], 1e-2)

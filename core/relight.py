@@ -11,8 +11,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from .arrays import Array, ArrayLike
 from .measure import hue_weight, lab, rotation
 from .spectrum import SpectrumError
+from .training import Training
 
 __all__ = [
     "emitter",
@@ -26,13 +28,16 @@ __all__ = [
 
 RIDGE = 1e-8  # relative to each unknown's own scale; 1e-3 already raises the error two- to fivefold
 PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # where entry (a, b) stands in PAIRS
+SYMMETRIC = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # the place of entry (a, b) in PAIRS
 
 
-def power_weights(illuminant, cmfs):
+def power_weights(illuminant: ArrayLike, cmfs: Array) -> Array:
     """Illuminant (n,) times matching functions (n, 3), scaled so that a perfect white has Y = 1 -> (n, 3).
 
     Raises SpectrumError for an illuminant with no visible power.
+
+    >>> power_weights(np.ones(3), np.eye(3)).sum(axis=0)
+    array([1., 1., 1.])
     """
     illuminant = np.asarray(illuminant, dtype=np.float64)
     peak = np.abs(illuminant).max(initial=0)
@@ -46,7 +51,7 @@ def power_weights(illuminant, cmfs):
     return weights / luminance
 
 
-def targets(training, weights):
+def targets(training: Training, weights: Array) -> tuple[Array, Array, Array]:
     """What matrices are fitted to, for power weights (e, n, 3) -> truth (e, 3, N), metric (e, 6, N), white (e, 3).
 
     metric: J^T J times the importance of each product, where |J dXYZ| is a small difference in CIEDE2000.
@@ -63,7 +68,7 @@ def targets(training, weights):
     return truth, metric, white
 
 
-def local_metric(xyz, white):
+def local_metric(xyz: Array, white: Array) -> Array:
     """J (N, 3, 3) such that |J dXYZ| is the CIEDE2000 difference of a small dXYZ at each of `xyz` (N, 3)."""
     white = np.maximum(white, 1e-6 * white[1])
     ratio = xyz / white
@@ -87,7 +92,7 @@ def local_metric(xyz, white):
     return rows @ to_lab
 
 
-def fitted_matrices(coefficients, truth, metric, white):
+def fitted_matrices(coefficients: Array, truth: Array, metric: Array, white: Array) -> Array:
     """Relight matrices (e, 3, p): least squares over products with coefficients (N, p), exact for white.
 
     truth (e, 3, N), metric (e, 6, N) and white (e, 3) are those of `targets`.
@@ -115,7 +120,7 @@ def fitted_matrices(coefficients, truth, metric, white):
     return even + free.reshape(lights, 3, size) @ normal.T
 
 
-def _product(left, right):
+def _product(left: Array, right: Array) -> Array:
     """left (a, n) @ right (n, b), in parts small enough that BLAS does not start its threads.
 
     They wait for one another by spinning: on a busy machine a relight matrix took 100 ms with them, 2 ms without. Only
@@ -130,18 +135,18 @@ def _product(left, right):
     if longest == rows:
         return np.concatenate([left[part] @ right for part in parts])
     if longest == inner:
-        return sum(left[:, part] @ right[part] for part in parts)
+        return np.sum([left[:, part] @ right[part] for part in parts], axis=0)
     return np.concatenate([left @ right[:, part] for part in parts], axis=1)
 
 
-def exact_matrix(filters, weights):
+def exact_matrix(filters: Array, weights: Array) -> Array | None:
     """The (3, p) exact for every spectrum, where power weights (n, 3) are combinations of `filters`; else None."""
     matrix = np.linalg.lstsq(filters, weights, rcond=1e-13)[0]
     error = np.abs(filters @ matrix - weights).max()
     return matrix.T if error < 1e-11 * np.abs(weights).max() else None
 
 
-def with_exact_lights(filters, matrix, weights):
+def with_exact_lights(filters: Array, matrix: Array, weights: Array) -> Array:
     """The smallest change of `filters` (n, p) that makes `weights` (n, 3 e) combinations of them, by `matrix` (3 e, p).
 
     Columns still sum to 1 where matrix @ 1 is the column sums of the weights; small lobes may become negative.
@@ -149,25 +154,25 @@ def with_exact_lights(filters, matrix, weights):
     return filters + (weights - filters @ matrix.T) @ np.linalg.pinv(matrix).T
 
 
-def weighted(metric, difference):
+def weighted(metric: Array, difference: Array) -> Array:
     """The symmetric matrices `metric` (e, 6, N) times vectors `difference` (e, 3, N) -> (e, 3, N)."""
     return np.stack([sum(metric[:, SYMMETRIC[a, b]] * difference[:, b] for b in range(3)) for a in range(3)], axis=1)
 
 
 @lru_cache
-def _orthogonal_to_white(channels):
+def _orthogonal_to_white(channels: int) -> Array:
     """Orthonormal basis (p, p - 1) of the vectors that sum to zero."""
     return np.linalg.svd(np.ones((1, channels)))[2][1:].T
 
 
-def reconstructed_matrix(reconstruction, weights):
+def reconstructed_matrix(reconstruction: Array, weights: Array) -> Array:
     """Integrate spectra rebuilt as B c, B (n, p), with power weights (n, 3) -> (3, p), made exact for white."""
     matrix = weights.T @ reconstruction
     error = weights.sum(axis=0) - matrix.sum(axis=1)
     return matrix + error[:, None] / matrix.shape[1]
 
 
-def emitter(training, coefficients, matrix, weights):
+def emitter(training: Training, coefficients: Array, matrix: Array, weights: Array) -> Array:
     """Non-negative coefficients (p,) of a light that is seen through another light's relight `matrix` (3, p).
 
     Fitted so that matrix @ (emission * c) is the colour of each product, with coefficients (N, p), under the light of

@@ -10,8 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from .arrays import Array
 from .factor_model import FactorModel
-from .view import Light
+from .mix import Light
 
 __all__ = ["Sampling", "adaptive", "dealt", "independent", "same", "shares"]
 
@@ -45,6 +46,9 @@ def dealt(parts: Sequence[float], first: int, count: int) -> Sampling:
     """The `count` samples of one sequence from the sample `first` on, dealt out to the passes by their `parts` of 1.
 
     Every pass has at least one sample, so that there may be more than `count` in all.
+
+    >>> dealt([0.5, 0.25, 0.25], first=0, count=8).driven
+    {'sample_offset': (0, 4, 6), 'sample_subset_length': (4, 2, 2)}
     """
     ends = np.rint(np.cumsum(parts) * count).astype(int)
     counts = np.maximum(np.diff(ends, prepend=0), 1)
@@ -56,7 +60,7 @@ def dealt(parts: Sequence[float], first: int, count: int) -> Sampling:
     )
 
 
-def shares(model: FactorModel, lights: Sequence[Light]) -> np.ndarray:
+def shares(model: FactorModel, lights: Sequence[Light]) -> Array:
     """Part of all samples that each pass is to have (passes,): half of it even, half by luminance under `lights`.
 
     The variance of luminance, sum of y_k^2 / n_k over passes that add y_k with n_k samples, is least for n_k in

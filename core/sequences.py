@@ -28,7 +28,7 @@ def numbered(pattern, frame: int) -> Path:
 
 
 def files(pattern) -> dict[int, Path]:
-    """{frame: path} of a sequence in order. Raises SequenceError where there is none, or where frames are missing."""
+    """{frame: path} of a sequence in order. Raises SequenceError where frames are missing, or there twice."""
     pattern = Path(pattern)
     before, digits, after = _split(pattern)
     name = re.compile(rf"{re.escape(before)}(\d{{{digits},}}){re.escape(after)}")
@@ -37,7 +37,9 @@ def files(pattern) -> dict[int, Path]:
     for path in folder.iterdir() if folder.is_dir() else ():
         match = name.fullmatch(path.name)
         if match:
-            found[int(match[1])] = path
+            other = found.setdefault(int(match[1]), path)
+            if other != path:
+                raise SequenceError(f"{pattern}: {other.name} and {path.name} are both frame {int(match[1])}")
     if not found:
         raise SequenceError(f"{pattern}: no such files")
     missing = [frame for frame in range(min(found), max(found) + 1) if frame not in found]

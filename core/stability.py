@@ -1,27 +1,29 @@
 """What every model does with difficult input: `relume stability`.
 
-Each section tells what happens, its bound, and where the limit is physical. Nothing may come back as NaN, nothing is
-clamped unsaid, and what cannot be done is refused by a named error.
+Each section says what happens, its bound, and where the limit is physical. Nothing may come back as NaN, nothing is
+clamped without a word, and what cannot be done is refused by a named error.
 """
 
-import argparse
 import sys
 from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from . import bases, experiments, files, hazards, library, measure, reports
-from .hazards import outcome, told
+from . import bases, experiments, figures, hazards, library, measure, reports
+from .arrays import Array
+from .factor_model import FactorModel
+from .hazards import in_words, outcome
 from .relight import power_weights
+from .spectrum import Spectrum
 
 __all__ = ["main"]
-
 
 CHANNELS = (3, 6, 9, 12, 15, 18, 21)
 
 
-def models(channels):
+def models(channels: int) -> dict[str, FactorModel | str]:
     """{name: FactorModel, or the words with which it is refused}, for every family of models that takes a number p."""
     makers = {
         "fitted": lambda: bases.fitted(channels),
@@ -32,18 +34,18 @@ def models(channels):
     return {name: outcome(make) for name, make in makers.items()}
 
 
-def stretched(reflectances, albedo=0.99):
+def stretched(reflectances: Array, albedo: float = 0.99) -> Array:
     """Reflectances (m, 81) scaled so that each reaches `albedo`."""
     return reflectances * (albedo / reflectances.max(axis=1, keepdims=True))
 
 
-def exposed_difference(xyz, truth, white):
+def exposed_difference(xyz: Array, truth: Array, white: Array) -> Array:
     """CIEDE2000 with both exposed so that the truth has half the luminance of white."""
     exposure = 0.5 * white[1] / truth[..., 1:2]
     return measure.delta_E_2000(truth * exposure, xyz * exposure, white)
 
 
-def conditioning():
+def conditioning() -> reports.Section:
     """Condition numbers, and how much a matrix amplifies errors of coefficients."""
     lights = [library.illuminant(name) for family in library.cie_illuminants().values() for name in family]
     rows, gains = [], defaultdict(list)
@@ -70,7 +72,7 @@ def conditioning():
         )
     return reports.Section(
         "Conditioning",
-        told(
+        in_words(
             "Relight matrices of `fitted` are fitted, so the condition of F^T F does not enter them; those of the "
             "published models pass through a pseudo-inverse, where it does. The gain is the length of the matrix's Y "
             "row: what 1 % of independent noise in every coefficient of a white becomes, in percent of Y, median and "
@@ -85,7 +87,7 @@ def conditioning():
     )
 
 
-def high_albedo(reflectances):
+def high_albedo(reflectances: Array) -> reports.Section:
     """Albedo 0.99 over many bounces."""
     light = library.illuminant("D65")
     weights = power_weights(light.sampled(), library.observer())
@@ -112,7 +114,7 @@ def high_albedo(reflectances):
         rows.append(row)
     return reports.Section(
         "Albedo 0.99",
-        told(
+        in_words(
             "Reflectances stretched to a peak of 0.99: the sum of 50 bounces and of infinitely many, D65, exposed to "
             "half of white; CIEDE2000, median / 90th percentile. A flat 0.99 is exact (relative error).",
             f"Filters that are nowhere negative keep coefficients at or below 0.99 ({highest:.4f} is the highest of "
@@ -124,27 +126,27 @@ def high_albedo(reflectances):
     )
 
 
-def half_floats(reflectances):
+def half_floats(reflectances: Array) -> reports.Section:
     """Coefficients kept in half precision, as an EXR may."""
-    rows, worst_at = [], defaultdict(float)
+    rows, worst_at = [], dict.fromkeys((1.0, 1e-2, 1e-4, 1e-6), 0.0)
     lights = [library.illuminant(name) for name in ("A", "D65", "FL11", "LED-B3")]
     for p in hazards.CHANNELS:
         model = bases.fitted(p)
         coefficients = model.coefficients(reflectances)
-        row = [p]
-        for exposure in (1.0, 1e-2, 1e-4, 1e-6):
+        row = [str(p)]
+        for exposure in worst_at:
             stored = (coefficients * exposure).astype(np.float16).astype(np.float64) / exposure
             worst = 0.0
             for light in lights:
                 matrix = model.relight(light)
-                pair = (c @ matrix.T for c in (coefficients, stored))
-                worst = max(worst, float(measure.delta_E_2000(*pair, matrix.sum(axis=1)).max()))
+                true, seen = (c @ matrix.T for c in (coefficients, stored))
+                worst = max(worst, float(measure.delta_E_2000(true, seen, matrix.sum(axis=1)).max()))
             worst_at[exposure] = max(worst_at[exposure], worst)
             row.append(f"{worst:.3f}")
         rows.append(row)
     return reports.Section(
         "Half-precision coefficients",
-        told(
+        in_words(
             "Largest CIEDE2000 under A, D65, FL11 and LED-B3 when the coefficients of the reflectances were rounded to "
             "half floats, with white at 1, 0.01, 0.0001 and 0.000001 of the file's unit and the picture exposed back. "
             "Above 65504 a half is infinite, and such a file is refused by name (`core.coefficients`).",
@@ -156,20 +158,21 @@ def half_floats(reflectances):
     )
 
 
-def clamps():
+def clamps() -> reports.Section:
     """What is clamped, where, and why."""
     return reports.Section(
         "What is clamped",
         "Coefficients, relight matrices and recombined pictures never are. These are, and their documentation says so: "
-        "pictures for the display (0..1) and the plain RGB colour that a material shows without Relume (`core.view`); "
+        "pictures for the display (0..1) and the RGB colour that a material shows without Relume (`core.spaces`); "
         "lamps of the preview, whose colour may lie outside the display's primaries (at 0); n and k of a conductor per "
         "channel, fitted to reflectances within 0..1 (`core.fresnel`); the coefficients of a lamp in another's light "
         "group, fitted as non-negative numbers (`FactorModel.emission`).",
     )
 
 
-def sections(reflectances):
-    """Every hazard, for reflectances (m, 81) where it looks at surfaces."""
+def sections(spectra: list[Spectrum], source: str) -> Iterator[reports.Section]:
+    """Every hazard, on the surfaces of the spectra where it looks at surfaces."""
+    reflectances = np.stack([spectrum.sampled() for spectrum in spectra])
     yield conditioning()
     yield hazards.low_rank()
     yield hazards.single_lines(reflectances)
@@ -181,57 +184,34 @@ def sections(reflectances):
     yield clamps()
 
 
-def draw(done, reflectances, out):
+def draw(done: list[reports.Section], spectra: list[Spectrum], out: Path) -> None:
     """Three panels: conditioning, lines over wavelength, albedo. Raises ImportError."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(15, 4.4), layout="constrained")
-    condition, line, albedo = figure.subplots(1, 3)
-    colours = {"fitted": "C0", "eq. 11": "C1", "eq. 12": "C2", "block": "C3"}
-    for axes, name, column in ((condition, "Conditioning", 2), (albedo, "Albedo 0.99", 5)):
-        curves = {}
+    reflectances = np.stack([spectrum.sampled() for spectrum in spectra])
+    panels = []
+    for name, column, title, up in (
+        ("Conditioning", 2, "conditioning", "cond(F^T F)"),
+        ("Albedo 0.99", 5, "albedo 0.99, infinitely many bounces", "median CIEDE2000"),
+    ):
+        points = defaultdict(list)
         for row in next(section for section in done if section.name == name).rows:
-            if row[1] in colours and row[column][0].isdigit():
-                curves.setdefault(row[1], []).append((row[0], float(row[column].split(" / ")[0])))
-        for label, points in curves.items():
-            axes.semilogy(*zip(*points, strict=True), "o-", label=label, color=colours[label])
-        axes.set(xlabel="p", xticks=CHANNELS)
-        axes.legend()
-    condition.set(title="conditioning", ylabel="cond(F^T F)")
-    albedo.set(title="albedo 0.99, infinitely many bounces", ylabel="median CIEDE2000")
+            if row[1] in ("fitted", "eq. 11", "eq. 12", "block") and row[column][0].isdigit():
+                points[row[1]].append((row[0], float(row[column].split(" / ")[0])))
+        lines = [(label, *zip(*each, strict=True)) for label, each in points.items()]
+        panels.append(figures.Panel("p", lines, up, title, "y", CHANNELS))
     nm = np.arange(400, 701, 5)
+    lights = [library.line(float(one)) for one in nm]
+    lines = []
     for p in hazards.CHANNELS:
-        lights = [library.line(float(one)) for one in nm]
         errors = experiments.product_errors(bases.fitted(p), reflectances, lights)
-        line.plot(nm, np.percentile(errors, 99, axis=1), label=f"p = {p}")
-    line.set(title="surfaces under one line", xlabel="nm", ylabel="99th percentile of CIEDE2000")
-    line.legend()
-    figure.savefig(out / "stability.png", dpi=110)
+        lines.append((f"fitted, p = {p}", nm, np.percentile(errors, 99, axis=1), "-"))
+    panels.insert(1, figures.Panel("nm", lines, "99th percentile of CIEDE2000", "surfaces under one line"))
+    figures.curves(out / "stability.png", panels)
 
 
-@reports.survive_closed_output
-def main(argv=None):
+def main(argv: Sequence[str] | None = None) -> int:
     """The command `relume stability` -> exit status."""
-    parser = argparse.ArgumentParser(prog="relume stability", description="What every model does with difficult input.")
-    parser.add_argument("--reflectances", type=Path, metavar="CSV", help="surfaces to look at; default: the CES")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write Markdown, CSV and a PNG file there too")
-    options = parser.parse_args(argv)
-    try:
-        spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
-        values = np.stack([spectrum.sampled() for spectrum in spectra])
-        done = reports.publish("stability", sections(values), options.out)
-        if options.out:
-            draw(done, values, options.out)
-            print(f"written to {options.out}")
-    except ImportError as error:
-        print(f"relume stability: no pictures without {error.name}", file=sys.stderr)
-        return 1
-    except BrokenPipeError:
-        raise
-    except (OSError, *hazards.REFUSALS) as error:
-        print(f"relume stability: {error}", file=sys.stderr)
-        return 1
-    return 0
+    words = "What every model does with difficult input."
+    return reports.run("stability", words, "surfaces to look at", sections, draw, argv)
 
 
 if __name__ == "__main__":

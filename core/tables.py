@@ -5,15 +5,14 @@
 What the paper does not say is inferred, and the report says so.
 """
 
-import argparse
 import sys
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from . import bases, experiments, files, library, palette, reports
-from .factor_model import ModelError
-from .spectrum import WAVELENGTHS, SpectrumError
+from . import bases, experiments, figures, library, metamers, reports
+from .spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["main"]
 
@@ -44,7 +43,7 @@ Reflectances: {{reflectances}}. What the paper does not say, or this project doe
 
 - Lights {", ".join(LIGHTS)}, from {experiments.PAPER_LIMITS[0]} to {experiments.PAPER_LIMITS[1]} nm.
 - Bounces accumulate as a <- a (1 + S): so does the printed row of multiplied XYZ. What light between two surfaces does,
-  S1 + S1 S2 + S1 S2 S3 + ..., stands in tables of its own.
+  S1 + S1 S2 + S1 S2 S3 + ..., has tables of its own.
 - Table 2 is the 90th percentile over trials of the median over lights.
 - Intervals are of equal width; the paper gives its own, for p = 5 only.
 - Eq. 12 leaves the least energy outside its interval for unit area inside. With the least area outside instead, the
@@ -54,7 +53,7 @@ The printed rows are of the 170 reflectances of Vrhel, Gershon and Iwan: give th
 """
 
 
-def bounce_sections(reflectances, lights):
+def bounce_sections(reflectances: list[Spectrum], lights: list[Spectrum]) -> Iterator[reports.Section]:
     """Tables 1 to 3, by either rule of accumulation, and what they say."""
     differences = {}
     for rule, suffix in RULES.items():
@@ -76,7 +75,7 @@ def bounce_sections(reflectances, lights):
     yield _findings(differences["paper"])
 
 
-def _findings(medians):
+def _findings(medians: dict[int, dict[str, float]]) -> reports.Section:
     """Where the claims of [DF] hold and where not, from {p: {method: median difference over all bounces}}."""
     rows = []
     for p, by_method in medians.items():
@@ -102,7 +101,7 @@ def _findings(medians):
     )
 
 
-def three_bounce_section():
+def three_bounce_section() -> reports.Section:
     """[DF] section 3.D."""
     rows = []
     for p in CHANNELS:
@@ -118,10 +117,10 @@ def three_bounce_section():
     )
 
 
-def metamer_sections():
+def metamer_sections() -> Iterator[reports.Section]:
     """Tables 4 and 5, on metamers constructed here."""
     for number, matched, others in ((4, "D65", ("A", "FL11")), (5, "A", ("D65", "FL2"))):
-        pairs = palette.metamers(library.illuminant(matched), PAIRS)
+        pairs = metamers.metamers(library.illuminant(matched), PAIRS)
         models = {("eq. 12", p): bases.sharpened(p, "nonnegative") for p in CHANNELS[1:]}
         models |= {("fitted (ours)", p): bases.fitted(p) for p in (3, 6, 9, 12, 15)}
         rows = []
@@ -139,92 +138,68 @@ def metamer_sections():
         )
 
 
-def draw_figures(out):
+def draw_figures(out: Path) -> None:
     """Figures 1 and 2 of [DF] as PNG: basis vectors, and spectra over three bounces. Raises ImportError."""
-    from matplotlib.figure import Figure
-
     light, chart = library.illuminant("FL2"), library.reflectances("colorchecker")
-    figure = Figure(figsize=(12, 7), layout="constrained")
-    models = {
-        "principal components": None,
-        **experiments.published(5, [light], chart, experiments.PAPER_LIMITS),
-        "fitted (ours)": bases.fitted(5),
-    }
-    for axes, (title, model) in zip(figure.subplots(2, 3).flat, models.items(), strict=False):
-        # The components span what eq. 11 makes of them.
-        shown = np.linalg.qr(models["eq. 11"].filters)[0] if model is None else model.filters
-        axes.plot(WAVELENGTHS, shown)
-        axes.set(title=f"{title}, p = 5", xlabel="wavelength, nm")
-    figure.delaxes(figure.axes[-1])
-    figure.savefig(out / "figure_1.png", dpi=110)
+    models = experiments.published(5, [light], chart, experiments.PAPER_LIMITS) | {"fitted (ours)": bases.fitted(5)}
+    # The components span what eq. 11 makes of them.
+    shown = {"principal components": np.linalg.qr(models["eq. 11"].filters)[0]}
+    shown |= {title: model.filters for title, model in models.items()}
+    nm = "wavelength, nm"
+    panels = [
+        figures.Panel(nm, [("", WAVELENGTHS, column, "-") for column in columns.T], title=f"{title}, p = 5")
+        for title, columns in shown.items()
+    ]
+    figures.curves(out / "figure_1.png", panels, columns=3)
 
-    surfaces = experiments.three_surfaces()
-    figure = Figure(figsize=(12, 3.6), layout="constrained")
+    surfaces, panels = experiments.three_surfaces(), []
     models = {
         "eq. 12, p = 9": bases.sharpened(9, "nonnegative", [light], chart, limits=experiments.PAPER_LIMITS),
         "fitted, p = 9": bases.fitted(9),
     }
-    for count, axes in enumerate(figure.subplots(1, 3), start=1):
-        axes.plot(WAVELENGTHS, surfaces[:count].prod(axis=0), "k", label="true")
+    for count in (1, 2, 3):
+        lines = [("true", WAVELENGTHS, surfaces[:count].prod(axis=0), "-k")]
         for label, model in models.items():
             product = model.coefficients(surfaces[:count]).prod(axis=0)
-            axes.plot(WAVELENGTHS, model.reconstruct(product), "--", label=label)
-        axes.set(title=f"{count} bounce{'s' * (count > 1)}", xlabel="wavelength, nm", ylabel="reflectance")
-        axes.legend()
-    figure.savefig(out / "figure_2.png", dpi=110)
+            lines.append((label, WAVELENGTHS, model.reconstruct(product), "--"))
+        panels.append(figures.Panel(nm, lines, "reflectance", f"{count} bounce{'s' * (count > 1)}"))
+    figures.curves(out / "figure_2.png", panels)
 
 
-def draw_table(section, out):
+def draw_table(section: reports.Section, out: Path) -> None:
     """Table 1 as a PNG: difference over bounces, a panel for each p. Raises ImportError."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(14, 4), layout="constrained")
     steps = np.arange(1, BOUNCES + 1)
-    colours = {}
-    for axes, p in zip(figure.subplots(1, len(CHANNELS), sharey=True), CHANNELS, strict=True):
+    colours: dict[str, str] = {}
+    panels = []
+    for p in CHANNELS:
+        lines = []
         for shown, label, *values in section.rows:
             if shown in (p, "-"):
                 method, printed, _ = label.partition(", printed")
                 colour = colours.setdefault(method, f"C{len(colours)}")
-                axes.semilogy(steps, [float(v) for v in values], ":" if printed else "-", color=colour, label=label)
-        axes.set(title=f"p = {p}", xlabel="bounces", xticks=steps)
-    figure.axes[0].set_ylabel("median CIE 1976 difference")
-    lines = {line.get_label(): line for axes in figure.axes for line in axes.lines}
-    figure.legend(lines.values(), lines.keys(), loc="outside right upper", fontsize="small")
-    figure.savefig(out / "table_1.png", dpi=110)
+                lines.append((label, steps, [float(value) for value in values], (":" if printed else "-") + colour))
+        panels.append(figures.Panel("bounces", lines, "median CIE 1976 difference", f"p = {p}", "y", steps))
+    figures.curves(out / "table_1.png", panels)
 
 
-@reports.survive_closed_output
-def main(argv=None):
+def sections(reflectances: list[Spectrum], source: str) -> Iterator[reports.Section]:
+    """Every table, for reflectances from `source`."""
+    yield reports.Section("Inferred", INFERRED.format(reflectances=f"{len(reflectances)} of {source}"))
+    yield from bounce_sections(reflectances, [library.illuminant(light) for light in LIGHTS])
+    yield three_bounce_section()
+    yield from metamer_sections()
+
+
+def draw(done: list[reports.Section], reflectances: list[Spectrum], out: Path) -> None:
+    """The figures and table 1 as PNG. Raises ImportError."""
+    draw_figures(out)
+    draw_table(next(section for section in done if section.name == "Table 1"), out)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
     """The command `relume tables` -> exit status."""
-    parser = argparse.ArgumentParser(prog="relume tables", description="Print the tables of Drew & Finlayson (2003).")
-    parser.add_argument("--reflectances", type=Path, metavar="CSV", help="light bounces off these; default: the CES")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="write Markdown, CSV and PNG files there too")
-    options = parser.parse_args(argv)
-
-    def sections():
-        reflectances = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
-        source = options.reflectances.name if options.reflectances else "the CES (CIE 224)"
-        yield reports.Section("Inferred", INFERRED.format(reflectances=f"{len(reflectances)} of {source}"))
-        yield from bounce_sections(reflectances, [library.illuminant(light) for light in LIGHTS])
-        yield three_bounce_section()
-        yield from metamer_sections()
-
-    try:
-        done = reports.publish("tables", sections(), options.out)
-        if options.out:
-            draw_figures(options.out)
-            draw_table(next(section for section in done if section.name == "Table 1"), options.out)
-            print(f"written to {options.out}")
-    except ImportError as error:
-        print(f"relume tables: no pictures without {error.name}", file=sys.stderr)
-        return 1
-    except BrokenPipeError:
-        raise
-    except (OSError, SpectrumError, ModelError, library.LibraryError) as error:
-        print(f"relume tables: {error}", file=sys.stderr)
-        return 1
-    return 0
+    words = "Print the tables of Drew & Finlayson (2003)."
+    return reports.run("tables", words, "light bounces off these", sections, draw, argv)
 
 
 if __name__ == "__main__":

@@ -6,12 +6,15 @@ of brightened white cloth and paper, and fine structure of two scales. Its amoun
 testing on the other charts, which between 8 and 20 nm do not tell one scale from another.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import library
+from .arrays import Array
 from .spectrum import WAVELENGTHS
 
 __all__ = ["Training", "general", "products", "reflectances", "with_general"]
@@ -30,16 +33,16 @@ class Training:
     weights: (N,) importance, summing to 1.
     """
 
-    products: np.ndarray
-    factors: tuple
-    weights: np.ndarray
+    products: Array
+    factors: tuple[NDArray[np.int64], ...]
+    weights: Array
 
-    def coefficients(self, factors):
+    def coefficients(self, factors: Array) -> Array:
         """What a renderer makes of the products, (N, p), from the coefficients (m, p) of their `factors`."""
         return np.concatenate([factors[chosen].prod(axis=1) for chosen in self.factors])
 
 
-def products(spectra, bounces=BOUNCES, most=1000):
+def products(spectra: Array, bounces: Sequence[float] = BOUNCES, most: int = 1000) -> Training:
     """Products of the reflectances (m, n), at most `most` for each number of bounces, always the same -> Training."""
     random = np.random.default_rng(SEED)
     count = len(spectra)
@@ -55,10 +58,12 @@ def products(spectra, bounces=BOUNCES, most=1000):
     return Training(spectra, tuple(factors), np.concatenate(weights))
 
 
-def with_general(own, bounces=(1.0, 2.0, 3.0), share=0.99, most=500, part=1):
+def with_general(
+    own: Array, bounces: Sequence[float] = (1.0, 2.0, 3.0), share: float = 0.99, most: int = 500, part: int = 1
+) -> tuple[Array, Training]:
     """Products of a scene's `own` reflectances (m, 81), which have `share` of the weight, and of the general ones.
 
-    part: every how manieth of the general reflectances takes part. -> all the reflectances (m + ..., 81), Training.
+    part: every nth of the general reflectances takes part, n = `part`. -> all the reflectances (m + ..., 81), Training.
     """
     general = reflectances()[::part]
     mine, others = products(own, bounces, most), products(general, BOUNCES[:3], most // part)
@@ -70,20 +75,20 @@ def with_general(own, bounces=(1.0, 2.0, 3.0), share=0.99, most=500, part=1):
 
 
 @cache
-def general():
+def general() -> tuple[Array, Training]:
     """The general training set: its reflectances (m, 81) and their products -> (array, Training)."""
     return reflectances(), products(reflectances())
 
 
 @cache
-def reflectances():
+def reflectances() -> Array:
     """The general training set on WAVELENGTHS -> (m, 81)."""
     measured = np.stack([spectrum.sampled() for name in SETS for spectrum in library.reflectances(name)])
     structured = [_with_fine_structure(measured, width, SEED + n) for n, width in enumerate(STRUCTURE)]
     return np.concatenate([measured, _brightened_whites(), *structured])
 
 
-def _brightened_whites():
+def _brightened_whites() -> Array:
     """White and grey with the ultraviolet edge and the emission peak of optical brighteners -> (16, 81)."""
     levels = [0.8 * np.ones_like(WAVELENGTHS), 0.45 * np.linspace(0.85, 1, WAVELENGTHS.size)]
     edges = [0.25 + 0.75 / (1 + np.exp((edge - WAVELENGTHS) / 6)) for edge in (400, 410)]
@@ -99,7 +104,7 @@ def _brightened_whites():
     )
 
 
-def _with_fine_structure(spectra, width, seed, amount=0.03):
+def _with_fine_structure(spectra: Array, width: float, seed: int, amount: float = 0.03) -> Array:
     """Spectra times 1 + noise, the noise of standard deviation `amount` and correlation length `width` nm."""
     random = np.random.default_rng(seed)
     distance = np.subtract.outer(WAVELENGTHS, WAVELENGTHS) / width

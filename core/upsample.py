@@ -5,66 +5,39 @@ from functools import cache
 import numpy as np
 
 from . import library
-from .factor_model import ModelError
+from .arrays import Array
+from .factor_model import FactorModel, ModelError
+from .spaces import REC709, RGB_SPACES, rgb_to_xyz
 
 __all__ = ["RGB_SPACES", "rgb_matrix", "rgb_to_xyz"]
 
-# XYZ of D65 on the working grid. The spaces' own rounded xy, (0.3127, 0.3290), would leave white itself 0.02 CIEDE2000
-# away from the light that it is seen under.
-D65_WHITE = np.array([0.95042967, 1.0, 1.08880055])
-
-# xy of red, green, blue, white. ACEScg is adapted from its own white to D65, as Blender's colour management does.
-D65 = (0.3127, 0.3290)
-RGB_SPACES = {
-    "Linear Rec.709": ((0.64, 0.33), (0.30, 0.60), (0.15, 0.06), D65),
-    "Linear Rec.2020": ((0.708, 0.292), (0.170, 0.797), (0.131, 0.046), D65),
-    "ACEScg": ((0.713, 0.293), (0.165, 0.830), (0.128, 0.044), (0.32168, 0.33767)),
-}
-BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
-
-
-def _xyz(xy):
-    x, y = xy
-    return np.array([x / y, 1.0, (1 - x - y) / y])
-
 
 @cache
-def rgb_to_xyz(space="Linear Rec.709"):
-    """XYZ of the primaries, (3, 3), columns; RGB (1, 1, 1) is the XYZ of D65, Y = 1. Raises ModelError."""
-    if space not in RGB_SPACES:
-        raise ModelError(f"no RGB space {space!r}: choose {', '.join(RGB_SPACES)}")
-    *primaries, white = RGB_SPACES[space]
-    columns = np.stack([_xyz(xy) for xy in primaries], axis=1)
-    if white != D65:
-        matrix = columns * np.linalg.solve(columns, _xyz(white))
-        gain = (BRADFORD @ D65_WHITE) / (BRADFORD @ _xyz(white))
-        matrix = np.linalg.solve(BRADFORD, gain[:, None] * (BRADFORD @ matrix))
-    else:
-        matrix = columns * np.linalg.solve(columns, D65_WHITE)
-    matrix.setflags(write=False)
-    return matrix
-
-
-@cache
-def rgb_matrix(model, space="Linear Rec.709"):
+def rgb_matrix(model: FactorModel, space: str = REC709) -> Array:
     """RGB to coefficients, (p, 3): rows sum to 1, and relight(D65) @ A is the colour itself.
 
     A mixture of the smooth basis of Mallett & Yuksel (2019), projected on the filters and corrected by the smallest
     change that makes the round trip exact with coefficients in 0..1 for colours inside Rec.709. Colours outside
     Rec.709, whichever space they come in, may get coefficients outside 0..1. Below 4 channels exactness decides; below
     3 only luminance comes back.
+
+    >>> from relume.core import bases
+    >>> model = bases.fitted(9)
+    >>> shown = model.relight(library.illuminant("D65")) @ rgb_matrix(model) @ [0.8, 0.1, 0.1]
+    >>> np.allclose(shown, rgb_to_xyz() @ [0.8, 0.1, 0.1])
+    True
     """
     basic = _rec709_matrix(model)
-    if space == "Linear Rec.709":
+    if space == REC709:
         return basic
-    matrix = basic @ np.linalg.solve(rgb_to_xyz("Linear Rec.709"), rgb_to_xyz(space))
+    matrix = basic @ np.linalg.solve(rgb_to_xyz(), rgb_to_xyz(space))
     matrix.setflags(write=False)
     return matrix
 
 
 @cache
-def _rec709_matrix(model):
-    target = rgb_to_xyz("Linear Rec.709")
+def _rec709_matrix(model: FactorModel) -> Array:
+    target = rgb_to_xyz()
     if model.channels < 3:
         return np.tile(target[1], (model.channels, 1))
     matrix = _nearest(model.coefficients(_primaries(model).T).T, model.relight(library.illuminant("D65")), target)
@@ -72,7 +45,7 @@ def _rec709_matrix(model):
     return matrix
 
 
-def _primaries(model):
+def _primaries(model: FactorModel) -> Array:
     """Reflectances (n, 3) of red, green and blue that the model is to come near to.
 
     Those that the reference gives its colours, so that models differ by their products alone.
@@ -88,7 +61,7 @@ def _primaries(model):
     return values / values.sum(axis=1, keepdims=True)
 
 
-def _nearest(start, relight, target):
+def _nearest(start: Array, relight: Array, target: Array) -> Array:
     """The A (p, 3) nearest to `start` with relight @ A = target, rows summing to 1 and, if possible, A >= 0."""
     channels = len(start)
     # Unknowns in row-major order; one equation per entry of the target, one per row sum.

@@ -2,8 +2,21 @@
 
 import importlib.util
 
+import pytest
+
 # Its modules import bpy, so without it they are not even collected.
 collect_ignore = [] if importlib.util.find_spec("bpy") else ["addon"]
+
+
+@pytest.fixture(scope="session")
+def relume():
+    """The add-on, registered once in the bpy of this Python."""
+    pytest.importorskip("bpy", reason="the add-on needs bpy")
+    import relume
+
+    relume.register()
+    yield relume
+    relume.unregister()
 
 
 def pytest_terminal_summary(terminalreporter):

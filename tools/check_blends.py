@@ -25,7 +25,7 @@ def check(path: Path) -> dict:
 
     import bpy
 
-    sys.path.insert(0, str(ROOT / "tests/addon"))
+    sys.path.insert(0, str(ROOT / "tests"))
     import dump
     import test_fidelity as fidelity
 

@@ -1,22 +1,13 @@
 """Scenes for the add-on's tests, in the bpy of this Python. One process has one bpy: every test opens its own file."""
 
-import sys
-from pathlib import Path
-
 import pytest
 
 bpy = pytest.importorskip("bpy", reason="the add-on's tests need bpy")
 
-sys.path.insert(0, str(Path(__file__).parent))
-
 
 @pytest.fixture(scope="session", autouse=True)
-def relume():
-    import relume
-
-    relume.register()
-    yield relume
-    relume.unregister()
+def _registered(relume):
+    """The add-on is there in every test."""
 
 
 @pytest.fixture

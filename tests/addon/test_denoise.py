@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from relume.addon import commands, denoise, passes, remarks, render, setup
-from relume.core import bases, coefficients, measure, upsample, view
+from relume.core import bases, coefficients, measure, recombination, upsample
+from relume.core.mix import Mix
 
 pytestmark = pytest.mark.skipif(not denoise.available(), reason="this Blender has no denoiser")
 
@@ -85,7 +86,7 @@ def test_each_pass_by_itself_leaves_the_least_error(noisy, tmp_path):
 
     def error(picture):
         to_xyz = upsample.rgb_to_xyz()
-        white = view.mixed_white(list(lights.values()), bases.bands())
+        white = recombination.mixed_white(bases.bands(), Mix(lights))
         return measure.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean()
 
     assert error(apart) < error(together) < 0.6 * error(noise)

@@ -11,7 +11,8 @@ from dump import differences, dump
 from test_render import close, composite, read_exr
 
 from relume.addon import baking, compositing, exr, groups, mixer, nodes, render, setup
-from relume.core import bases, coefficients, library, mixing, sequences, view
+from relume.core import bases, coefficients, library, mixing, recombination, sequences
+from relume.core.mix import Light, Mix
 
 
 @pytest.fixture
@@ -29,7 +30,8 @@ def sockets(scene) -> np.ndarray:
 
 
 def expected(scene, lights, **options) -> np.ndarray:
-    return view.recombination_matrices(scene.relume.model(), lights, **options).transpose(0, 2, 1)
+    mix = Mix(dict(enumerate(lights)), **options)
+    return recombination.recombination_matrices(scene.relume.model(), mix).transpose(0, 2, 1)
 
 
 def test_stops_solo_and_mute_reach_the_sockets(ready):
@@ -66,7 +68,7 @@ def test_every_kind_of_illuminant_reaches_the_sockets(ready, tmp_path):
     for source, spectrum in spectra.items():
         row.source = source
         assert ready.relume.problem == ""
-        assert np.allclose(sockets(ready), expected(ready, [view.Light(spectrum), other.light()]), atol=1e-5), source
+        assert np.allclose(sockets(ready), expected(ready, [Light(spectrum), other.light()]), atol=1e-5), source
     lamp.unlink()
     row.source = "FILE"
     assert ready.relume.problem == "", "the spectrum of a file is kept in the scene"
@@ -273,7 +275,7 @@ def test_relighting_an_exr_in_the_compositor(ready, tmp_path):
     assert close(composite(scene, tmp_path / "same.exr"), render.picture(image, lights), 1e-3)
     scene.relume.light_groups["tungsten"].source = "LIBRARY"
     scene.relume.light_groups["tungsten"].illuminant = "HP1"
-    lights["tungsten"] = view.Light(library.illuminant("HP1"))
+    lights["tungsten"] = Light(library.illuminant("HP1"))
     assert close(composite(scene, tmp_path / "other.exr"), render.picture(image, lights), 1e-3)
 
 

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from relume.addon import render, setup
-from relume.core import bases, coefficients, library, view
+from relume.core import bases, coefficients, library, recombination, spaces
+from relume.core.mix import Mix
 
 
 def read_exr(path: Path, prefix: str = "") -> np.ndarray:
@@ -47,8 +48,8 @@ def test_compositor_file_and_numpy_agree(room, tmp_path):
     lights = {row.name: row.light() for row in room.relume.light_groups}
     coefficients.write(tmp_path / "room.exr", image, render.picture(image, lights))
     relit = render.picture(coefficients.read(tmp_path / "room.exr"), lights)
-    white = view.mixed_white(list(lights.values()), image.model)
-    to_rgb = view.xyz_to_rgb() @ view.adaptation(white, np.linalg.inv(view.xyz_to_rgb()).sum(axis=1), 0.6)
+    white = recombination.mixed_white(image.model, Mix(lights))
+    to_rgb = spaces.xyz_to_rgb() @ spaces.adaptation(white, np.linalg.inv(spaces.xyz_to_rgb()).sum(axis=1), 0.6)
     by_hand = np.einsum(
         "ij,jp,hwp->hwi", to_rgb, image.model.relight(library.illuminant("HP1")), image.groups["tungsten"]
     )
@@ -214,6 +215,7 @@ def test_bad_input_is_one_line(room, tmp_path, monkeypatch, capfd, arguments, st
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit on the size of a file")
 def test_a_disk_that_fills_up_leaves_no_partial_files(room, tmp_path):
     scene, out = tmp_path / "little.blend", tmp_path / "out"
+    out.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
     script = (
         "import resource\n"

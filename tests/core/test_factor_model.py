@@ -10,6 +10,7 @@ from hypothesis.extra import numpy as arrays
 
 from relume.core import FactorModel, Spectrum, SpectrumError, bases, library
 from relume.core.factor_model import ModelError
+from relume.core.rules import Reconstructed
 
 from .conftest import CMFS, difference, tristimulus
 
@@ -147,7 +148,7 @@ def test_refusals():
     with pytest.raises(ModelError, match="not the description"):
         FactorModel.from_dict({"shape": 3})
     with pytest.raises(ModelError, match="sum to 1"):
-        FactorModel("x", np.arange(3), np.ones((3, 2)), rule="reconstructed", reconstruction=np.ones((3, 2)))
+        FactorModel("x", np.arange(3), np.ones((3, 2)), rule=Reconstructed(np.ones((3, 2))))
 
 
 @given(st.floats(1e-30, 1e30), st.sampled_from(["D65", "589 nm"]))

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relume.core import bases, drawing, inspection, library, mixing, sequences, view
+from relume.core import bases, drawing, inspection, library, mixing, recombination, sequences
+from relume.core.mix import Light, Mix
 from relume.core.spectrum import SpectrumError
 
 
@@ -60,13 +61,13 @@ def test_numbered_files(tmp_path):
 
 def test_a_pixel_of_a_grey_wall_has_the_spectrum_of_its_lamp():
     model, lamp = bases.fitted(9), library.illuminant("A")
-    lights = [view.Light(lamp, 0.5), view.Light(library.illuminant("HP1"), 0.0)]
-    pixel = inspection.inspect(model, lights, [np.full(9, 0.4), np.full(9, 0.7)])
+    mix = Mix({"key": Light(lamp, 0.5), "fill": Light(library.illuminant("HP1"), 0.0)})
+    pixel = inspection.inspect(model, mix, [np.full(9, 0.4), np.full(9, 0.7)])
     assert np.allclose(pixel.spectrum, lamp.sampled() / lamp.sampled().max(), atol=1e-6)
-    assert np.allclose(pixel.xyz, 0.2 * view.mixed_white(lights, model))
-    darker = inspection.inspect(model, lights, [np.full(9, 0.1), np.full(9, 0.7)])
-    assert inspection.difference(pixel, pixel, model, lights) == 0.0
-    assert inspection.difference(pixel, darker, model, lights) > 20
+    assert np.allclose(pixel.xyz, 0.2 * recombination.mixed_white(model, mix))
+    darker = inspection.inspect(model, mix, [np.full(9, 0.1), np.full(9, 0.7)])
+    assert inspection.difference(model, mix, pixel, pixel) == 0.0
+    assert inspection.difference(model, mix, pixel, darker) > 20
 
 
 @pytest.mark.parametrize("name", ["D65", "589 nm", "HP1"])

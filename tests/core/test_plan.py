@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, library, measure, plan, relight
+from relume.core import bases, library, measure, plan, relight, rules
 from relume.core.spectrum import WAVELENGTHS
 
 ROOM = ("red", "blue", "neutral 8 (.23 D)", "blue flower", "green")
@@ -70,7 +70,7 @@ def test_prediction_agrees_with_full_spectra():
         return sum(amount * product for amount, product in zip(amounts, met, strict=True))
 
     for p in (3, 6, 9):
-        model = plan.FactorModel("scene", WAVELENGTHS, bases.fitted(p).filters, reflectances=spectra)
+        model = plan.FactorModel("scene", WAVELENGTHS, bases.fitted(p).filters, rules.Fitted(spectra))
         measured = []
         for each in content.lights:
             weights = relight.power_weights(each.sampled(), library.observer())

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, grouping, library, sampling, view
+from relume.core import bases, channel_order, library, sampling
+from relume.core.mix import Light
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 48, 4096])
@@ -28,8 +29,8 @@ def test_seeds_follow_each_other_and_stay_seeds():
 @pytest.mark.parametrize("channels", [1, 3, 5, 6, 9, 12, 36])
 @pytest.mark.parametrize("light", ["D65", "A", "FL11", "HP1"])
 def test_shares_lower_the_variance_of_luminance(channels, light):
-    model = grouping.balanced(bases.fitted(channels))
-    lights = [view.Light(library.illuminant(light))]
+    model = channel_order.balanced(bases.fitted(channels))
+    lights = [Light(library.illuminant(light))]
     luminance = model.relight(lights[0].illuminant)[1]
     added = np.add.reduceat(luminance, range(0, channels, 3))
     found = sampling.shares(model, lights)
@@ -40,7 +41,7 @@ def test_shares_lower_the_variance_of_luminance(channels, light):
 
 def test_lights_that_are_off_leave_the_shares_even():
     model = bases.fitted(9)
-    assert sampling.shares(model, [view.Light(library.illuminant("A"), 0.0)]) == pytest.approx([1 / 3] * 3)
+    assert sampling.shares(model, [Light(library.illuminant("A"), 0.0)]) == pytest.approx([1 / 3] * 3)
 
 
 def test_passes_may_be_noisier_than_what_they_add_up_to():

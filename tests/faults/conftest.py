@@ -11,16 +11,6 @@ _counted = Counter()
 
 
 @pytest.fixture(scope="session")
-def relume():
-    pytest.importorskip("bpy", reason="the add-on needs bpy")
-    import relume
-
-    relume.register()
-    yield relume
-    relume.unregister()
-
-
-@pytest.fixture(scope="session")
 def little(relume, tmp_path_factory):
     """The room that ships, so small and coarse that it renders in a second."""
     bpy = pytest.importorskip("bpy", reason="rendering needs bpy")

@@ -5,7 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from relume.core import bases, coefficients, library, view
+from relume.core import bases, coefficients, library, spaces
+from relume.core.mix import Light
 
 from . import grammar, outcome
 
@@ -56,18 +57,18 @@ def folder(tmp_path, monkeypatch, image):
 
 def _expected(image, arguments):
     """The picture that `relight` has to make of arguments that it can do, worked out without the add-on."""
-    lights = {group: view.Light(image.illuminants[group]) for group in image.groups}
+    lights = {group: Light(image.illuminants[group]) for group in image.groups}
     said = " ".join(arguments).replace("--white=", "--white ").split("--white ")
     degree = said[1].split()[0] if len(said) > 1 else "none"
     white = {"none": 0.0, "full": 1.0}[degree] if degree in ("none", "full") else float(degree)
     for group, name, gain in _lights_in(arguments):
-        lights[group] = view.Light(library.illuminant(name), gain)
+        lights[group] = Light(library.illuminant(name), gain)
     matrices = [light.gain * image.model.relight(light.illuminant) for light in lights.values()]
     xyz = sum(image.groups[group] @ matrix.T for group, matrix in zip(image.groups, matrices, strict=True))
-    to_rgb = np.linalg.inv(view.rgb_to_xyz("Linear Rec.709"))
+    to_rgb = np.linalg.inv(spaces.rgb_to_xyz("Linear Rec.709"))
     if white:
         mixed = sum(matrix.sum(axis=1) for matrix in matrices)
-        to_rgb = to_rgb @ view.adaptation(mixed, view.rgb_to_xyz("Linear Rec.709").sum(axis=1), white)
+        to_rgb = to_rgb @ spaces.adaptation(mixed, spaces.rgb_to_xyz("Linear Rec.709").sum(axis=1), white)
     return xyz @ to_rgb.T
 
 

@@ -1,12 +1,12 @@
 """Which channels share a pass, so that the noise of a pass is a change of brightness rather than of colour."""
 
-from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
 
 from . import library, relight
+from .arrays import Array
 from .factor_model import FactorModel
 
 __all__ = ["balanced"]
@@ -24,25 +24,22 @@ def balanced(model: FactorModel) -> FactorModel:
     In every pass the channel of the longest wavelengths comes first, as red does: an RGB colour that nothing upsamples
     is then taken as a spectrum of three steps. Models whose last pass is part empty, and RGB ones, stay as they are.
     """
-    passes = model.passes
-    if model.channels % 3 or model.rule == "diagonal":
+    count = model.passes
+    if model.channels % 3:
         return model
-    shares = _white_shares(model)
-    groups = [list(range(k, model.channels, passes)) for k in range(passes)]
+    parts = _white_parts(model)
+    passes = [list(range(k, model.channels, count)) for k in range(count)]
     better = True
     while better:
         better = False
-        for a, b in combinations(range(passes), 2):
-            better |= _swap(groups[a], groups[b], shares)
+        for a, b in combinations(range(count), 2):
+            better |= _swap(passes[a], passes[b], parts)
     centroids = model.wavelengths @ np.abs(model.filters) / np.abs(model.filters).sum(axis=0)
-    order = [channel for group in groups for channel in sorted(group, key=lambda k: -centroids[k])]
-    arrays = {"filters": model.filters[:, order]}
-    if model.reconstruction is not None:
-        arrays["reconstruction"] = model.reconstruction[:, order]
-    return replace(model, **arrays)
+    order = [channel for members in passes for channel in sorted(members, key=lambda k: -centroids[k])]
+    return model.reordered(order)
 
 
-def _white_shares(model) -> np.ndarray:
+def _white_parts(model: FactorModel) -> Array:
     """What each channel adds to a white surface under several lights, in units of CIEDE2000 -> (3 lights, p)."""
     rows = []
     for name in LIGHTS:
@@ -52,11 +49,11 @@ def _white_shares(model) -> np.ndarray:
     return np.concatenate(rows)
 
 
-def _swap(first: list, second: list, shares) -> bool:
+def _swap(first: list[int], second: list[int], parts: Array) -> bool:
     """Exchange the two channels whose exchange makes the noise of two passes least; whether one was exchanged."""
 
-    def noise(one, other):
-        return sum(np.square(shares[:, group].sum(axis=1)).sum() for group in (one, other))
+    def noise(one: list[int], other: list[int]) -> float:
+        return sum(np.square(parts[:, members].sum(axis=1)).sum() for members in (one, other))
 
     best, choice = noise(first, second) * (1 - 1e-9), None
     for i in range(len(first)):

@@ -110,7 +110,8 @@ def _plain(value):
     """A copy that lives on when Blender has freed what it came from."""
     if isinstance(value, (str, bytes, int, float, bool, set, frozenset, type(None))):
         return value
-    return [_plain(item) for item in value]
+    items = list(value)
+    return items if items and isinstance(items[0], (int, float)) else [_plain(item) for item in items]
 
 
 def _member(item, depth: int):

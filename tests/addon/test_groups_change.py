@@ -1,0 +1,213 @@
+"""Light groups that change outside the mixer: renamed in Blender's lists, deleted, back. Nothing chosen is lost."""
+
+import bpy
+import pytest
+from dump import differences, dump
+from test_render import close, composite
+
+from relume.addon import exr, groups, mixer, passes, remarks, render, setup
+from relume.core import bases, coefficients
+
+CHOSEN = {"tungsten": "HP1", "fluorescent": "FL11"}
+
+
+@pytest.fixture
+def mixed(room):
+    """The room, set up, with illuminants, gains, a white, and a snapshot that the artist chose."""
+    setup.set_up(room, bases.fitted(3))
+    settings = room.relume
+    for number, (group, illuminant) in enumerate(CHOSEN.items(), 1):
+        settings.light_groups[group].source = "LIBRARY"
+        settings.light_groups[group].illuminant, settings.light_groups[group].stops = illuminant, number
+    settings.white_source, settings.white_group = "GROUP", "tungsten"
+    bpy.ops.relume.take_snapshot()
+    return room
+
+
+def rows(scene) -> dict:
+    """What the mixer says: {group: (illuminant, stops)} in the order of its rows."""
+    return {row.name: (row.illuminant, row.stops) for row in scene.relume.light_groups}
+
+
+def rename_in_blenders_list(scene, before: str, after: str):
+    layer = next(iter(passes.pass_layers(scene).values()))[0]
+    layer.lightgroups[before].name = after
+    assert bpy.data.objects[before].lightgroup == after, "Blender renames it in objects, too"
+
+
+def test_a_row_follows_its_group_renamed_in_blenders_list(mixed):
+    rename_in_blenders_list(mixed, "tungsten", "warm")
+    setup.set_up_afresh(mixed)
+    assert rows(mixed) == {"warm": ("HP1", 1.0), "fluorescent": ("FL11", 2.0)}
+    assert mixed.relume.white_group == "warm"
+    mixed.relume.light_groups["warm"].stops = 3.0
+    assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert rows(mixed)["warm"] == ("HP1", 1.0), "the snapshot knows the new name"
+
+
+def test_rows_follow_groups_renamed_on_objects(mixed):
+    for before, after in (("tungsten", "fluorescent"), ("fluorescent", "tungsten")):
+        bpy.data.objects[before].lightgroup = f"{after} of {before}"
+    setup.set_up_afresh(mixed)
+    assert rows(mixed) == {"fluorescent of tungsten": ("HP1", 1.0), "tungsten of fluorescent": ("FL11", 2.0)}
+
+
+def test_a_row_follows_its_lamps_out_of_any_group(mixed):
+    bpy.data.objects["tungsten"].lightgroup = ""
+    setup.set_up_afresh(mixed)
+    assert rows(mixed) == {"fluorescent": ("FL11", 2.0), coefficients.EVERYTHING_ELSE: ("HP1", 1.0)}
+
+
+def test_a_row_without_lights_stays_and_says_so_and_its_lamps_come_back(mixed, tmp_path):
+    lamp = bpy.data.objects["tungsten"]
+    before = composite(mixed, tmp_path / "before.exr")
+    mixed.collection.objects.unlink(lamp)
+    bpy.context.view_layer.update()
+    setup.set_up_afresh(mixed)
+    assert rows(mixed) == {"fluorescent": ("FL11", 2.0), "tungsten": ("HP1", 1.0)}
+    assert [row.name for row in mixed.relume.lit] == ["fluorescent"]
+    assert [remark.why for remark in remarks.of(mixed) if remark.owner == "tungsten"]
+    image = render.render(mixed, tmp_path).image
+    assert list(image.groups) == ["fluorescent"], "no pass is rendered for it"
+    assert len(mixed.relume.lights()) == 1
+    mixed.collection.objects.link(lamp)
+    setup.set_up_afresh(mixed)
+    assert rows(mixed) == {"tungsten": ("HP1", 1.0), "fluorescent": ("FL11", 2.0)}
+    assert not remarks.of(mixed) and close(composite(mixed, tmp_path / "after.exr"), before, 0.05)
+
+
+def test_a_row_that_is_solo_and_without_lights_leaves_the_others_lit(mixed):
+    mixed.relume.light_groups["tungsten"].solo = True
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    setup.set_up_afresh(mixed)
+    assert [row.name for row in mixed.relume.light_groups] == ["fluorescent", "tungsten"]
+    assert [light.gain for light in mixed.relume.lights()] == [4.0]
+    assert groups.remove_empty(mixed) == ["tungsten"]
+    assert rows(mixed) == {"fluorescent": ("FL11", 2.0)}
+
+
+def test_a_group_that_is_split_leaves_its_row(mixed):
+    lamp = bpy.data.objects["tungsten"].copy()
+    lamp.lightgroup = "tungsten"
+    mixed.collection.objects.link(lamp)
+    setup.set_up_afresh(mixed)
+    bpy.data.objects["tungsten"].lightgroup, lamp.lightgroup = "left", "right"
+    setup.set_up_afresh(mixed)
+    assert rows(mixed)["tungsten"] == ("HP1", 1.0)
+    assert {row.name for row in mixed.relume.lit} == {"left", "right", "fluorescent"}
+
+
+def test_removed_and_set_up_again_the_mixer_is_what_it_was(mixed):
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    chosen = mixer.choices(mixed.relume)
+    setup.remove(mixed)
+    assert mixer.choices(mixed.relume) == chosen
+    bpy.data.objects["tungsten"].lightgroup = "tungsten"
+    setup.set_up(mixed, bases.fitted(3))
+    assert mixer.choices(mixed.relume) == chosen
+    bpy.data.objects["fluorescent"].lightgroup = "new"
+    setup.remove(mixed)
+    setup.set_up(mixed, bases.fitted(3))
+    assert rows(mixed)["fluorescent"] == ("FL11", 2.0)
+
+
+def test_remove_gives_back_the_order_of_the_rows(mixed):
+    setup.remove(mixed)
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    before = dump()
+    setup.set_up(mixed, bases.fitted(3))
+    assert [row.name for row in mixed.relume.light_groups] == ["fluorescent", "tungsten"]
+    setup.remove(mixed)
+    assert differences(before, dump()) == []
+
+
+def test_keyframes_and_drivers_stay_with_their_rows(mixed):
+    for number, row in enumerate(mixed.relume.light_groups):
+        row.keyframe_insert("stops", frame=1)
+        mixed.driver_add(f"relume.light_groups[{number}].temperature").driver.expression = str(3000 + number)
+    curves = mixed.animation_data.action.layers[0].strips[0].channelbags[0].fcurves
+    values = {row.name: row.stops for row in mixed.relume.light_groups}
+
+    def animated() -> dict:
+        found = {}
+        for curve in curves:
+            row = mixed.path_resolve(curve.data_path.rpartition(".")[0])
+            found[row.name] = curve.evaluate(1)
+        return found
+
+    assert animated() == values
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    setup.set_up_afresh(mixed)
+    assert animated() == values
+    driven = {curve.data_path: curve.driver.expression for curve in mixed.animation_data.drivers}
+    assert driven["relume.light_groups[1].temperature"] == "3000", "tungsten is the second row now"
+    groups.remove_empty(mixed)
+    assert animated() == {"fluorescent": 2.0}, "what moved a row that is gone moves no other"
+
+
+def test_animation_made_while_a_scene_is_set_up_stays(mixed):
+    mixed.relume.light_groups["tungsten"].keyframe_insert("stops", frame=1)
+    mixed.keyframe_insert("gravity", frame=1)
+    setup.set_up_afresh(mixed)
+    setup.remove(mixed)
+    curves = mixed.animation_data.action.layers[0].strips[0].channelbags[0].fcurves
+    assert {curve.data_path for curve in curves} == {"gravity", "relume.light_groups[0].stops"}
+
+
+def test_a_row_that_is_only_animated_stays(room):
+    setup.set_up(room, bases.fitted(3))
+    bpy.data.objects["tungsten"].lightgroup = "lamp"
+    setup.set_up_afresh(room)
+    number = room.relume.light_groups.find("lamp")
+    room.driver_add(f"relume.light_groups[{number}].stops")
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    setup.set_up_afresh(room)
+    assert "lamp" in room.relume.light_groups
+
+
+@pytest.mark.parametrize(
+    ("names", "expected"),
+    [
+        (["a.b"], [coefficients.EVERYTHING_ELSE]),
+        (["a.b", "a_b"], ["a_b", coefficients.EVERYTHING_ELSE]),
+        (["x" * 63], [coefficients.EVERYTHING_ELSE]),
+        (["x" * 54], ["x" * 54]),
+        (["ä" * 31], [coefficients.EVERYTHING_ELSE]),
+        (["Räume über uns", "灯"], ["Räume über uns", "灯"]),
+        (["Image", "Depth"], ["Image", "Depth"]),
+        (["Alpha", "Combined"], ["Alpha", "Combined"]),
+        ([coefficients.EVERYTHING_ELSE, ""], [coefficients.EVERYTHING_ELSE]),
+        (["", "lamp"], ["lamp", coefficients.EVERYTHING_ELSE]),
+        (["lamp 1", "lamp"], ["lamp 1", "lamp"]),
+    ],
+)
+def test_names_of_light_groups(room, tmp_path, names, expected):
+    lamps = [bpy.data.objects["tungsten"], bpy.data.objects["fluorescent"]]
+    for lamp in lamps[len(names) :]:
+        bpy.data.objects.remove(lamp)
+    for lamp, name in zip(lamps, names, strict=False):
+        lamp.lightgroup = name
+    room.relume.light_groups.clear()
+    setup.set_up(room, bases.fitted(3))
+    assert sorted(row.name for row in room.relume.light_groups) == sorted(expected)
+    told = {remark.owner for remark in remarks.of(room)}
+    assert {name for name in names if name and name not in expected} == told
+    image = render.render(room, tmp_path).image
+    lit = dict(zip(image.groups, room.relume.lights(), strict=True))
+    assert close(composite(room, tmp_path / "composite.exr"), render.picture(image, lit), 1e-3)
+    assert all(channels.max() > 0 for channels in image.groups.values())
+
+
+def test_a_scene_that_relights_an_exr_is_left_alone(mixed, tmp_path):
+    image = render.render(mixed, tmp_path).image
+    path = tmp_path / "shot.exr"
+    coefficients.write(path, image, render.picture(image, dict(zip(image.groups, mixed.relume.lights(), strict=True))))
+    other = exr.new_scene(path)
+    before = composite(other, tmp_path / "a.exr")
+    setup.set_up(mixed, bases.fitted(6))
+    assert close(composite(other, tmp_path / "b.exr"), before)
+    setup.remove(mixed)
+    assert close(composite(other, tmp_path / "c.exr"), before)
+    assert not any(node.type == "GROUP" for node in bpy.data.node_groups["red"].nodes), "spectra are plain again"
+    with pytest.raises(setup.SetupError, match="relights .*shot.exr"):
+        setup.set_up(other)
