@@ -4,7 +4,8 @@ A pixel's coefficients c are split into their brightness I = v·c (v: how much l
 left in proportion to it: c = I + (I + ε) B r. The metric of the relight matrices turns r into units of CIEDE2000 at
 mid grey, averaged over all lamps, and its principal axes are the columns of B: an axis that no lamp can tell apart
 costs nothing. Brightness goes in steps of a logarithm, coarser above white; r in steps that grow with the chroma, as
-CIEDE2000's tolerance does. Every one of the p planes is an AVIF in grey; a table of 256 values says what its bytes mean.
+CIEDE2000's tolerance does. Every one of the p planes is an AVIF in grey; a table of 256 values says what its bytes
+mean.
 """
 
 import io
@@ -13,17 +14,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import MeasureError
 from ..measure import delta_E_2000
 from ..relight import local_metric
-from ..upsample import rgb_to_xyz
+from ..spaces import rgb_to_xyz
 
-__all__ = ["Encoded", "decode", "difference", "encode", "plane_bytes", "quality_for"]
+__all__ = ["Encoded", "decode", "difference", "encode", "encode_within", "plane_bytes", "quality_for", "reached"]
 
 FLOOR = 0.04  # ε, in parts of what is bright: below it, brightness goes in equal steps
 ABOVE_WHITE = 0.35  # how fine the steps above white are, to those below
 CHROMA = 25.0  # where the steps of r begin to grow, in ΔE at mid grey
 STEPS = (0.008, 0.2)  # the finest that pay: of the logarithm of brightness, and of r in ΔE
+PIXELS = 4000  # on which quality is measured
 SAMPLE = 128  # pixels to a side of the tiles that quality is measured on
 QUALITIES = (40, 98)  # of the AVIF encoder
 _FINER = 7  # how much better than the others the plane of brightness is encoded
@@ -82,7 +85,9 @@ def _white_of(groups: Sequence[np.ndarray], luminous: np.ndarray, exposure: floa
     return float(max(min(np.percentile(total, 98), 2.0**-exposure), 1e-6))
 
 
-def _planes(coefficients: np.ndarray, matrices: np.ndarray, white: float):
+def _planes(
+    coefficients: np.ndarray, matrices: np.ndarray, white: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Codes (p, height, width) uint8 of coefficients (height, width, p), with the tables, basis and floor."""
     shape, channels = coefficients.shape[:2], coefficients.shape[2]
     flat = coefficients.reshape(-1, channels)
@@ -108,7 +113,7 @@ def _planes(coefficients: np.ndarray, matrices: np.ndarray, white: float):
     return np.array(found).reshape(channels, *shape), np.array(tables, np.float32), basis, floor
 
 
-def _quantised(values: np.ndarray, finest: float, left_out: float):
+def _quantised(values: np.ndarray, finest: float, left_out: float) -> tuple[np.ndarray, Array]:
     """Codes uint8 of values, and what each of the 256 means; a part `left_out` at either end may be clipped."""
     low, high = np.quantile(values, [left_out, 1.0 - left_out])
     step = max(finest, (high - low) / 255)
@@ -125,7 +130,7 @@ def encode(
     return {name: _encode(coefficients, matrices, white, quality) for name, coefficients in groups.items()}
 
 
-def _encode(coefficients, matrices, white: float, quality: int) -> Encoded:
+def _encode(coefficients: np.ndarray, matrices: np.ndarray, white: float, quality: int) -> Encoded:
     codes, tables, basis, floor = _planes(coefficients, matrices, white)
     planes = [plane_bytes(plane, quality if k else min(quality + _FINER, 99)) for k, plane in enumerate(codes)]
     return Encoded(tuple(planes), tables, basis, floor)
@@ -140,7 +145,9 @@ def decode(encoded: Encoded) -> np.ndarray:
     return brightness + (brightness + encoded.floor) * (np.stack(values[1:], axis=-1) @ encoded.basis.T)
 
 
-def difference(groups: Sequence[np.ndarray], shown: Sequence[np.ndarray], matrices: np.ndarray, exposure: float = 0.0):
+def difference(
+    groups: Sequence[np.ndarray], shown: Sequence[np.ndarray], matrices: np.ndarray, exposure: float = 0.0
+) -> Array:
     """(lamps, pixels) CIEDE2000 of two pictures as an sRGB display shows them, with each lamp in all light groups.
 
     groups, shown: (pixels, p) for each light group; the picture meant, and the picture to be judged.
@@ -155,6 +162,19 @@ def difference(groups: Sequence[np.ndarray], shown: Sequence[np.ndarray], matric
     return np.array(found)
 
 
+def reached(
+    groups: Mapping[str, np.ndarray], coded: Mapping[str, Encoded], matrices: np.ndarray, exposure: float = 0.0
+) -> float:
+    """The CIEDE2000 that 98 % of pixels keep to, over all lamps; of some thousand pixels."""
+    count = next(iter(groups.values()))[..., 0].size
+    pixels = np.random.default_rng(1).permutation(count)[:PIXELS]
+    meant, shown = (
+        [each.reshape(-1, matrices.shape[2])[pixels] for each in pictures]
+        for pictures in (groups.values(), map(decode, coded.values()))
+    )
+    return float(np.percentile(difference(meant, shown, matrices, exposure), 98))
+
+
 def quality_for(groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure: float, wanted: float) -> int:
     """The lowest quality at which 98 % of all pixels under all lamps are within `wanted` ΔE, measured on tiles.
 
@@ -163,15 +183,11 @@ def quality_for(groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure
     if not wanted > 0.0:
         raise MeasureError(f"a quality of ΔE {wanted:g} cannot be reached: give more than 0")
     tiles = {name: _tiles(coefficients) for name, coefficients in groups.items()}
-    pixels = np.random.default_rng(0).permutation(next(iter(tiles.values()))[..., 0].size)[:4000]
-    meant = [each.reshape(-1, each.shape[-1])[pixels] for each in tiles.values()]
     low, high = QUALITIES
     while low < high:
         middle = (low + high) // 2
-        coded = encode(tiles, matrices, exposure, middle)
-        shown = [decode(each).reshape(-1, matrices.shape[2])[pixels] for each in coded.values()]
-        reached = np.percentile(difference(meant, shown, matrices, exposure), 98)
-        low, high = (low, middle) if reached <= 0.97 * wanted else (middle + 1, high)
+        found = reached(tiles, encode(tiles, matrices, exposure, middle), matrices, exposure)
+        low, high = (low, middle) if found <= 0.97 * wanted else (middle + 1, high)
     return low
 
 
@@ -184,3 +200,15 @@ def _tiles(coefficients: np.ndarray) -> np.ndarray:
     return np.concatenate(
         [np.concatenate([coefficients[y : y + SAMPLE, x : x + SAMPLE] for x in columns], axis=1) for y in rows]
     )
+
+
+def encode_within(
+    wanted: float, groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure: float, quality: int
+) -> tuple[dict[str, Encoded], int, float]:
+    """Light groups encoded at `quality`, or higher where that misses `wanted`; the quality, and the ΔE reached."""
+    while True:
+        coded = encode(groups, matrices, exposure, quality)
+        found = reached(groups, coded, matrices, exposure)
+        if found <= wanted or quality >= QUALITIES[1]:
+            return coded, quality, found
+        quality = min(quality + max(1, round(8 * (found / wanted - 1))), QUALITIES[1])

@@ -7,12 +7,14 @@ import numpy as np
 from .. import drawing, library
 from ..errors import LibraryError
 from ..factor_model import FactorModel
+from ..library import OBSERVER
+from ..recombination import relight_matrix
 from ..spectrum import WAVELENGTHS, Spectrum
-from ..view import OBSERVER, relight_matrix
 
 __all__ = ["KINDS", "RENDERED", "catalogue", "chosen", "matrices", "observers", "temperature_spectra", "temperatures"]
 
 RENDERED = "As rendered"  # the family of illuminants that a file brings with it
+CAMERAS = ("Nikon 5100 (NPL)", "Sigma SDMerill (NPL)")
 KINDS = {"planckian": ("Planckian", 1000.0, 20000.0, 48), "daylight": ("D", 4000.0, 25000.0, 24)}
 
 
@@ -26,9 +28,9 @@ def chosen(names: Sequence[str]) -> dict[str, str]:
     return {found: every.get(found, "Lamps") for found in (library.illuminant(name).name for name in names)}
 
 
-def observers(own=OBSERVER) -> list:
+def observers(own: str | tuple[Spectrum, ...] = OBSERVER) -> list[str | tuple[Spectrum, ...]]:
     """The observers that a page offers: the standard ones, cameras, and a file's `own`, first."""
-    known = [*library.observers(), *library.CAMERAS]
+    known = [*library.observers(), *CAMERAS]
     return [own, *(name for name in known if name != own)]
 
 
@@ -47,7 +49,9 @@ def power(spectra: Sequence[Spectrum]) -> np.ndarray:
     return (values / (values @ luminous)[:, None]).astype(np.float32)
 
 
-def matrices(model: FactorModel, spectra: Sequence[Spectrum], seen_by: Sequence) -> np.ndarray:
+def matrices(
+    model: FactorModel, spectra: Sequence[Spectrum], seen_by: Sequence[str | tuple[Spectrum, ...]]
+) -> np.ndarray:
     """(observers, lamps, 3, p) float32: coefficients to the XYZ of a display, under each lamp, for each observer."""
     return np.array(
         [[relight_matrix(model, spectrum, observer) for spectrum in spectra] for observer in seen_by], np.float32
