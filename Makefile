@@ -1,5 +1,5 @@
 .DEFAULT_GOAL := help
-.PHONY: help demo test torture lint format extension clean
+.PHONY: help demo test oldest torture lint format extension clean
 
 help: ## List these targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -9,6 +9,9 @@ demo: .venv/.complete ## Render the test room once and relight it; the pictures 
 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
 	.venv/bin/pytest
+
+oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests in Blender 5.0 (Python 3.11)
+	.venv-oldest/bin/pytest --numprocesses 2 --dist loadfile tests/core tests/addon
 
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
 	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py -m ""
@@ -26,8 +29,12 @@ extension: .venv/.complete ## Build the extension with its wheels, one zip for e
 	.venv/bin/python tools/build_extension.py
 
 clean: ## Remove everything that these targets made
-	rm -rf .venv build out
+	rm -rf .venv .venv-oldest build out
 
 .venv/.complete: pyproject.toml tools/make_venv.sh
 	@tools/make_venv.sh
+	@touch $@
+
+.venv-oldest/.complete: pyproject.toml tools/make_venv.sh
+	@tools/make_venv.sh .venv-oldest 3.11
 	@touch $@

@@ -81,11 +81,23 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
         default=[],
         help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
     )
+    relight.add_argument(
+        "--scene",
+        dest="blend",
+        metavar="SCENE.blend",
+        type=_path,
+        help="what the file was rendered from, for renders whose note does not say enough",
+    )
+    relight.add_argument("--layer", metavar="NAME", help="one of the artist's view layers; default: the first")
     relight.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
     _add_out(relight, "PICTURE", "PICTURE.png, .tif or .exr; with #### for a sequence", required=True)
     relight.add_argument(
         "--resume", action="store_true", help="keep the pictures that are there and newer than their coefficients"
     )
+
+    describe = commands.add_parser("describe", help="a sidecar for what other Blenders render of a scene")
+    _add_scene(describe, in_blender)
+    _add_out(describe, "FILE.json", "default: SCENE.relume.json in this folder; put it beside the EXRs")
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     _add_out(demo, "DIR", "folder for the results", default="out/demo")

@@ -15,7 +15,9 @@ __all__ = [
     "CANNOT",
     "NOT_SPECTRAL",
     "SPECTRAL",
+    "Bounds",
     "Kind",
+    "bounds_of",
     "in_use",
     "is_animated",
     "is_missing",
@@ -31,6 +33,14 @@ class Kind(StrEnum):
     COLOR = "colour"  # light is multiplied by it
     EMISSION = "emission"  # light is sent out
     VECTOR = "vector"  # a length, a coefficient of a volume, n or k of a metal
+
+
+class Bounds(StrEnum):
+    """To what Cycles holds the RGB of a colour before light is multiplied by it."""
+
+    NONE = ""
+    POSITIVE = "positive"  # what is below 0 counts as 0
+    UNIT = "unit"  # the same, and what is above 1 counts as 1
 
 
 _COLOR = {"Color": Kind.COLOR}
@@ -127,6 +137,17 @@ _WEIGHTS = {
     "ShaderNodeVolumePrincipled": {"Emission Color": "Emission Strength"},
 }
 
+# Closures that keep a negative colour
+_UNBOUNDED = {
+    "ShaderNodeBsdfRayPortal",
+    "ShaderNodeBsdfTransparent",
+    "ShaderNodeVolumeAbsorption",
+    "ShaderNodeVolumePrincipled",
+    "ShaderNodeVolumeScatter",
+}
+# What a Principled surface is wholly made of where it has no diffuse part, whose colour may be above 1
+_NOT_DIFFUSE = {"Base Color": ("Metallic", "Transmission Weight", "Subsurface Weight"), "Specular Tint": ("Metallic",)}
+
 # Textures whose colours Cycles computes in RGB
 _RGB_TEXTURES = {
     "ShaderNodeTexSky": "the sky is computed in RGB: it takes part as RGB, upsampled on D65",
@@ -174,6 +195,23 @@ def spectral_sockets(node) -> list:
     if node.bl_idname not in SPECTRAL and not _is_unknown_shader(node) and nodes.role(node) != "glass":
         return []
     return [s for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable and kind_of(s)]
+
+
+def bounds_of(socket) -> Bounds:
+    """To what Cycles holds the RGB of a spectral input, so that upsampling can do the same.
+
+    Channels of a spectrum would be held one by one, which is another colour.
+    """
+    node = socket.node
+    if kind_of(socket) is not Kind.COLOR or node.bl_idname in _UNBOUNDED:
+        return Bounds.NONE
+    if node.bl_idname == "ShaderNodeBsdfMetallic":
+        return Bounds.UNIT
+    if node.bl_idname == "ShaderNodeBsdfPrincipled":
+        parts = [node.inputs[name] for name in _NOT_DIFFUSE.get(socket.identifier, ())]
+        if any(not part.is_linked and part.default_value >= 1.0 for part in parts):
+            return Bounds.UNIT
+    return Bounds.POSITIVE
 
 
 def in_use(socket, animated=()) -> bool:

@@ -4,7 +4,7 @@ import bpy
 
 from ..core.coefficients import EVERYTHING_ELSE
 from ..core.recombination import for_passes
-from . import denoise, nodes, passes
+from . import denoise, nodes, passes, properties
 
 __all__ = [
     "add",
@@ -131,9 +131,9 @@ def rename(scene, before: str, after: str):
 
 
 def _as_rendered(scene, matrices):
-    """Matrices for the images that the scene composites: a render's last may hold all light, a file's never does."""
-    rows = scene.relume.lit
-    return for_passes(matrices) if not scene.relume.exr and rows[-1].name == EVERYTHING_ELSE else matrices
+    """Matrices for the images that the scene composites: a render's last may hold all light, Relume's files' never."""
+    rows, own = scene.relume.lit, scene.relume.exr and properties.STOCK not in scene
+    return for_passes(matrices) if not own and rows[-1].name == EVERYTHING_ELSE else matrices
 
 
 def recombinations(scene) -> list:

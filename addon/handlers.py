@@ -59,9 +59,26 @@ def _forget(scene, *_):
 
 
 @persistent
-def _bake_all(*_):
+def _note(scene, *_):
+    """Have the scene's renders say how they are relit; a mix that cannot be shown leaves what they said before."""
+    from ..core.errors import RelumeError
+    from . import baking, note, passes, render
+
+    if scene.relume.is_set_up and passes.pass_layers(scene) and scene.is_editable:
+        animated = baking.is_animated(scene)
+        if note.is_current(scene, animated):
+            return
+        try:
+            note.write(scene, render.described(scene), animated)
+        except (RelumeError, ValueError) as error:
+            scene.relume["problem"] = str(error)
+
+
+@persistent
+def _before_saving(*_):
     for scene in bpy.data.scenes:
         _bake(scene)
+        _note(scene)
 
 
 @persistent
@@ -75,9 +92,10 @@ _HANDLERS = (
     ("frame_change_post", _frame_changed),
     ("depsgraph_update_post", _depsgraph_updated),
     ("render_init", _bake),
+    ("render_init", _note),
     ("render_complete", _forget),
     ("render_cancel", _forget),
-    ("save_pre", _bake_all),
+    ("save_pre", _before_saving),
     ("save_post", _forget_all),
     ("load_post", _forget_all),
 )

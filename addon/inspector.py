@@ -25,7 +25,7 @@ def coefficients_of(context):
     if scene.relume.exr:
         from . import exr
 
-        return coefficients.read(exr.current_file(scene)).groups
+        return exr.read_current(scene).groups
     layers = [layer.name for layer in next(iter(passes.pass_layers(scene).values()))]
     groups = [row.name for row in scene.relume.lit]
     settings = scene.render.image_settings

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import bpy
 
-from ..core import coefficients, library, results, sequences
+from ..core import coefficients, description, library, results, sequences
 from ..core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
 from ..core.mix import GAINS, Light
-from . import arguments, console, denoise, render, setup
+from . import arguments, console, denoise, describe, render, setup
 
-__all__ = ["file_name", "relight_file", "render_scene"]
+__all__ = ["describe_scene", "file_name", "relight_file", "render_scene"]
 
 _LONGEST = 100  # bytes of a name within a file's; file systems end at 255
 
@@ -204,8 +204,13 @@ def relight_file(told):
     sources = _sources(told.coefficients, told.out)
     _check_apart(sources)
     waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
-    for source in waiting.values():
-        _lights_of(coefficients.describe(source), told.light)  # tells what is wrong before any picture is made
+    found = coefficients.describe_all(waiting.values(), told.described, told.layer)
+    for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
+        _lights_of(image, told.light)
+        if told.out.suffix.lower() != ".exr":
+            render.check_view(source, image)
+    if waiting:
+        _remark(next(iter(waiting.values())), told)
     with results.folder(told.out.parent):
         for out in waiting:
             results.expect(out)
@@ -235,6 +240,27 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
+def _remark(source: Path, told):
+    """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
+    if coefficients.is_own(source):
+        return
+    found = description.of_file(source, told.described)
+    first, *others = found.layers
+    if others and told.layer is None:
+        console.say(f"took view layer {first!r}; --layer takes {', '.join(map(repr, others))}")
+    if found.animated:
+        console.say("the mix is animated; took that of the frame at which the scene was saved")
+
+
+def describe_scene(out: Path | None):
+    """`relume describe`: a sidecar for what other Blenders render of the open file."""
+    described = describe.of_open_file()
+    out = out or Path(f"{Path(bpy.data.filepath).stem or 'untitled'}{description.SUFFIX}")
+    with results.folder(out.parent):
+        description.write(out, described)
+    console.wrote(out)
+
+
 def _sources(path: Path, out: Path) -> dict[Path, Path]:
     """{picture: its coefficients}, of one file or of a sequence. Raises SequenceError."""
     if not sequences.is_pattern(path):
@@ -253,7 +279,7 @@ def _relit(waiting: dict[Path, Path], told) -> Iterator:
 
     def relit(item):
         out, source = item
-        image = coefficients.read(source)
+        image = coefficients.read(source, told.described, told.layer)
         return out, image, render.picture(image, _lights_of(image, told.light), told.white)
 
     cores = os.cpu_count() or 1

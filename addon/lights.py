@@ -8,8 +8,9 @@ relative to the D65 of its group.
 from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
-from ..core import library
+from ..core import library, upsample
 from ..core.coefficients import EVERYTHING_ELSE
 from ..core.factor_model import FactorModel
 from . import animation, inventory, nodes, sockets
@@ -38,6 +39,8 @@ __all__ = [
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
 _MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
 _DAYLIGHT = "D65"
+_NOTICED = 5.0  # CIEDE2000, of the most saturated surfaces
+_FILTER = "its light is deeply coloured: what it does to coloured surfaces differs from plain RGB, even without bounces"
 LONGEST = 63 - len("Combined_")  # bytes of a light group's name that leave room for that of its pass
 
 
@@ -263,6 +266,7 @@ class Lighting:
         group = nodes.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
         light = conversion.insert(socket, group)
         lamp = self.lamps.get(shading.owner)
+        self._remark_on_color(conversion, shading, light, lamp)
         if lamp is None:
             return
         light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
@@ -272,6 +276,14 @@ class Lighting:
         path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
         if animation.move(shading.owner, "color", path):
             shading.owner[_MOVED] = path
+
+    def _remark_on_color(self, conversion, shading, light, lamp: Lamp | None):
+        """Tell of light whose colour, as far as it is known, makes of coloured surfaces what RGB does not."""
+        color = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
+        color *= lamp.tint if lamp else 1.0
+        space = bpy.data.colorspace.working_space
+        if upsample.filter_difference(self.model, color, space) > _NOTICED:
+            conversion.remarks.append(Remark(shading.words, "", _FILTER))
 
 
 def _planckian(kelvin: float) -> str:

@@ -134,23 +134,29 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
     bl_idname = "relume.assign_spectrum_file"
     bl_label = "Spectrum from File"
 
-    filter_glob: StringProperty(default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie", options={"HIDDEN"})
+    filter_glob: StringProperty(
+        default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie;*.ti3", options={"HIDDEN"}
+    )
 
     def execute(self, context):
         from ..core import files
 
         material, node = self.target(context)
         try:
+            found = files.read(self.filepath, _REFLECTANCE if self.takes == _REFLECTANCE else "refractive index")
             if self.takes == _METAL:
-                n, k = _metal_in(files.read(self.filepath, "refractive index"), Path(self.filepath))
+                n, k = _metal_in(found, Path(self.filepath))
                 _assign_metal(material, node, n, k)
             elif self.takes == _GLASS:
-                glass.replace(node, files.read(self.filepath, "refractive index")[0])
+                glass.replace(node, found[0])
             else:
-                _assign_reflectance(material, _socket(node, self.socket), files.read(self.filepath)[0])
+                _assign_reflectance(material, _socket(node, self.socket), found[0])
         except SpectrumError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        used = 2 if self.takes == _METAL else 1
+        rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
+        self.report({"INFO"}, f"From {found[0].source}{rest}")
         return {"FINISHED"}
 
 

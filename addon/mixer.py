@@ -226,6 +226,14 @@ class LightGroup(PropertyGroup):
         mix_changed(self, bpy.context)
 
     @property
+    def origin(self) -> str:
+        """The file that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return stored_spectrum(self.measured).source
+        except ValueError:
+            return ""
+
+    @property
     def label(self) -> str:
         """What shines, in a few words."""
         if self.source == "PLANCKIAN":
@@ -233,7 +241,9 @@ class LightGroup(PropertyGroup):
         if self.source == "DAYLIGHT":
             return f"Daylight {self.cct:.0f} K"
         if self.source == "FILE":
-            return bpy.path.basename(self.path) or "No file yet"
+            name, origin = bpy.path.basename(self.path), self.origin
+            # A file that was refused is not what shines
+            return origin if origin and not origin.startswith(name) else name or "No file yet"
         if self.source == "BLEND":
             return f"Blend of {len(self.blend)}"
         return self.illuminant

@@ -60,6 +60,8 @@ def _draw_details(box, row, index: int, icon: int):
         box.prop(row, "cct", slider=True)
     elif row.source == "FILE":
         box.prop(row, "path", text="")
+        if row.origin:
+            words(box, f"From {row.origin}")
     elif row.source == "BLEND":
         _draw_blend(box, row, index)
     if icon:
@@ -98,6 +100,8 @@ def _draw_balance(layout, settings):
     body.prop(settings, "observer")
     if settings.observer == "FILE":
         body.prop(settings, "observer_path")
+        if settings.observer_origin:
+            words(body, f"From {settings.observer_origin}")
 
 
 def _draw_snapshots(layout, settings):
@@ -129,6 +133,8 @@ def _draw_output(layout, settings):
     body.operator("relume.inspect", icon="EYEDROPPER")
     if settings.exr:
         words(body, f"Lit from {settings.exr}")
+    else:
+        body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
 
 

@@ -138,9 +138,13 @@ def add_view(tree, channels: int):
     return add(tree, "ShaderNodeGroup", 0, node_tree=view_group(channels), label="View")
 
 
-def upsample_group(channels: int, vector: bool = False):
-    """The shared *Upsample* group: an RGB colour in, `B @ rgb` out; or a vector, whose result is never negative."""
-    tree, new = _shared_tree("Relume Upsample Vector" if vector else "Relume Upsample", "upsample")
+def upsample_group(channels: int, vector: bool = False, bounds: str = ""):
+    """The shared *Upsample* group: an RGB colour in, `B @ rgb` out; or a vector, whose result is never negative.
+
+    bounds: of the colour, as in `closures.Bounds`: "positive" or "unit".
+    """
+    kind = "Vector" if vector else bounds.capitalize()
+    tree, new = _shared_tree(f"Relume Upsample {kind}".rstrip(), "upsample")
     if not new:
         return tree
     name = kind = "Vector" if vector else "Color"
@@ -148,15 +152,26 @@ def upsample_group(channels: int, vector: bool = False):
     add_socket(tree, name, kind, output=True)
     source = add(tree, "NodeGroupInput", 0, 1)
     view = add_view(tree, channels)
-    upsampled = _upsampled(tree, view, source.outputs[name], 2)
+    held = source.outputs[name]
+    if bounds:
+        held = _held(tree, 1, held, "MAXIMUM", 0.0)
+    if bounds == "unit":
+        held = _held(tree, 1, held, "MINIMUM", 1.0)
+    upsampled = _upsampled(tree, view, held, 2)
     if vector:
-        bound = add(tree, "ShaderNodeVectorMath", 4, 1, operation="MAXIMUM")
-        tree.links.new(upsampled, bound.inputs[0])
-        upsampled = bound.outputs[0]
+        upsampled = _held(tree, 4, upsampled, "MAXIMUM", 0.0)
     chosen = choose(tree, 5, view.outputs["ON"], source.outputs[name], upsampled)
     output = add(tree, "NodeGroupOutput", 6)
     tree.links.new(chosen, output.inputs[name])
     return tree
+
+
+def _held(tree, column: int, vector, operation: str, limit: float):
+    """A vector held to a limit, number by number."""
+    node = add(tree, "ShaderNodeVectorMath", column, 2, operation=operation)
+    tree.links.new(vector, node.inputs[0])
+    node.inputs[1].default_value = (limit,) * 3
+    return node.outputs[0]
 
 
 def _upsampled(tree, view, color, column: int):

@@ -25,6 +25,7 @@ __all__ = [
 
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
+STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
 REFERENCE_BANDS = 36
 
 AUTO = "auto"
@@ -108,7 +109,7 @@ def _wiped(self, context):
 def _denoising_chosen(self, _):
     from . import setup
 
-    if self.is_set_up:
+    if self.shades:
         setup.set_up_afresh(self.id_data)
 
 
@@ -260,6 +261,14 @@ class SceneSettings(PropertyGroup):
     def seen_by(self):
         """The observer, as `core.mix.Mix` takes it. Raises SpectrumError for a file that was not read."""
         return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
+
+    @property
+    def observer_origin(self) -> str:
+        """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return _observer_from(self.observer_measured)[0].source
+        except ValueError:
+            return ""
 
     def white(self, model, mix):
         """(3,) XYZ of what becomes white in a `core.mix.Mix`, None for the white of the mix. Raises ValueError."""

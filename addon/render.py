@@ -2,9 +2,9 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -13,11 +13,11 @@ import numpy as np
 from ..core import coefficients, recombination, results
 from ..core.coefficients import CoefficientImage
 from ..core.errors import CoefficientImageError, RenderError, ResultError, UsageError
-from ..core.mix import Light, Mix
+from ..core.mix import Light
 from . import console, passes, setup
 from .blend_file import first_line
 
-__all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
+__all__ = ["FORMATS", "RenderError", "Rendered", "check_view", "described", "picture", "render", "save_picture"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def render(
     layers = next(iter(passes.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
     groups = [row.name for row in scene.relume.lit]
-    shown = _view_of(scene)
+    said = described(scene)  # and what is wrong with it, before it takes long
     with results.scratch(folder) as temporary:
         path = temporary.absolute() / "passes.exr"
         with _Progress(progress), _storing_guides(layers if guides else ()):
@@ -56,28 +56,31 @@ def render(
             times = coefficients.read_render_times(path, names)
         except CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
-            raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({error})") from error
+            reason = str(error).replace(str(path), path.name)
+            raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({reason})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = passes.samples_of(layer, scene)
-    settings = scene.relume
+    return Rendered(replace(said, groups=channels, alpha=alpha), times, found)
+
+
+def described(scene) -> CoefficientImage:
+    """What a scene that is set up says about its renders, at its current frame: without groups and pixels.
+
+    Raises RelumeError where the mix cannot be shown.
+    """
     chosen = setup.lighting(scene)
-    lights = dict(zip(groups, chosen.lights.values(), strict=True))
-    return Rendered(
-        CoefficientImage(
-            model=settings.model(),
-            groups=channels,
-            illuminants={group: light.illuminant for group, light in lights.items()},
-            alpha=alpha,
-            space=bpy.data.colorspace.working_space,
-            white_balance=settings.white_balance,
-            white_balance_method=settings.white_balance_method,
-            view=shown,
-            gains={group: light.gain for group, light in lights.items()},
-            white=chosen.white,
-            observer=chosen.observer,
-        ),
-        times,
-        found,
+    return CoefficientImage(
+        model=scene.relume.model(),
+        groups={},
+        illuminants={group: light.illuminant for group, light in chosen.lights.items()},
+        alpha=np.empty((0, 0), np.float32),
+        space=chosen.space,
+        white_balance=chosen.white_balance,
+        white_balance_method=chosen.method,
+        view=_view_of(scene),
+        gains={group: light.gain for group, light in chosen.lights.items()},
+        white=chosen.white,
+        observer=chosen.observer,
     )
 
 
@@ -162,16 +165,31 @@ def _view_of(scene) -> dict:
 
 def picture(image: CoefficientImage, lights: dict[str, Light], white_balance: float | None = None):
     """(height, width, 3) linear picture with a light for each group; the image's own white balance if none is given."""
-    mix = Mix(
-        {group: lights[group] for group in image.groups},
-        white_balance=image.white_balance if white_balance is None else white_balance,
-        method=image.white_balance_method,
-        space=image.space,
-        white=image.white,
-        observer=image.observer,
-    )
-    matrices = recombination.recombination_matrices(image.model, mix)
+    matrices = recombination.recombination_matrices(image.model, image.mix(lights, white_balance))
     return coefficients.recombine(list(image.groups.values()), matrices)
+
+
+def _show(scene, chosen: Mapping[str, object]):
+    """Have a scene show pictures as `CoefficientImage.view` says. Raises CoefficientImageError."""
+    for name, value in {"display_device": "sRGB", "view_transform": "Standard", **chosen}.items():
+        try:
+            setattr(scene.display_settings if name == "display_device" else scene.view_settings, name, value)
+        except TypeError:
+            raise CoefficientImageError(
+                f"view, {name}: this Blender has no {value!r}; write .exr, which is linear, or start it with the OCIO "
+                "configuration of the render"
+            ) from None
+
+
+def check_view(path: Path, image: CoefficientImage):
+    """Raise CoefficientImageError that names the EXR where this Blender cannot show its picture as it was rendered."""
+    scene = bpy.data.scenes.new("Relume view")
+    try:
+        _show(scene, image.view)
+    except CoefficientImageError as error:
+        raise CoefficientImageError(f"{path}: {error}") from None
+    finally:
+        bpy.data.scenes.remove(scene)
 
 
 FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
@@ -195,7 +213,8 @@ def save_picture(path: Path, rgb, image: CoefficientImage):
         settings = scene.render.image_settings
         settings.media_type, settings.file_format, settings.color_depth = "IMAGE", file_format, depth
         settings.color_mode = "RGBA" if (image.alpha < 1.0).any() else "RGB"
-        _show_as(scene, path, image.view)
+        if file_format != "OPEN_EXR":  # which is linear
+            _show(scene, image.view)
         scene.render.dither_intensity = 0.0
         with results.replacing(path) as partial:
             try:
@@ -207,14 +226,3 @@ def save_picture(path: Path, rgb, image: CoefficientImage):
     finally:
         bpy.data.images.remove(buffer)
         bpy.data.scenes.remove(scene)
-
-
-def _show_as(scene, path: Path, shown):
-    shown = dict(shown)
-    try:
-        if "display_device" in shown:
-            scene.display_settings.display_device = shown.pop("display_device")
-        for name, value in {"view_transform": "Standard", **shown}.items():
-            setattr(scene.view_settings, name, value)
-    except TypeError as error:
-        raise RenderError(f"{path}: this Blender cannot show it as it was rendered ({first_line(error)})") from error

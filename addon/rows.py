@@ -191,8 +191,10 @@ def put_back(settings):
 def _followed_by_animation(settings):
     """While it lasts rows may come, go and change places, but keep their names."""
     before = [row.name for row in settings.light_groups]
-    yield
-    after = [row.name for row in settings.light_groups]
-    if before != after:
-        numbers = {before.index(name): number for number, name in enumerate(after) if name in before}
-        animation.renumber(settings.id_data, _COLLECTION, numbers)
+    try:
+        yield
+    finally:
+        after = [row.name for row in settings.light_groups]
+        if before != after:
+            numbers = {before.index(name): number for number, name in enumerate(after) if name in before}
+            animation.renumber(settings.id_data, _COLLECTION, numbers)

@@ -21,6 +21,7 @@ from . import (
     lights,
     mixer,
     nodes,
+    note,
     passes,
     properties,
     remarks,
@@ -85,8 +86,11 @@ def set_up(scene, model: FactorModel | None = None):
             lost = _give_back(scenes, before)
             if isinstance(error, SetupError) or not isinstance(error, Exception):
                 raise
-            now = f"is no longer set up, for setting {lost} up again" if lost else "is as it was, for setting it up"
-            raise SetupError(f"scene {at.name!r} {now} failed: {error}") from error
+            if lost:
+                what = f"setting up scene {at.name!r} failed, and so did setting up {lost} as before"
+            else:
+                what = f"scene {at.name!r} is as it was, for setting it up failed"
+            raise SetupError(f"{what}: {error}") from error
 
 
 def _plan_of(scene) -> dict:
@@ -292,6 +296,7 @@ def _remove(scene):
 def _take_out(scene):
     """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
     compositing.remove(scene)
+    note.remove(scene)
     passes.remove(scene)
     render_settings.give_back(scene)
     _take_back_illuminants(scene)

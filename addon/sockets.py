@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..core import upsample
 from . import animation, nodes
-from .closures import Kind, in_use, is_animated, kind_of, reasons, spectral_sockets
+from .closures import Bounds, Kind, bounds_of, in_use, is_animated, kind_of, reasons, spectral_sockets
 from .inventory import Inventory, take
 from .remarks import Remark
 from .wiring import Wiring
@@ -28,6 +29,7 @@ __all__ = [
     "take_out",
     "trees_of",
     "untouchable",
+    "upsample_group_for",
 ]
 
 # Nodes that turn a spectrum into another colour
@@ -35,6 +37,7 @@ _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
 _ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
 _SHARED = "its animation is that of other materials too: the colour stays RGB"
+_TOO_PURE = "this colour lies outside Rec.709: the surface comes out less pure than plain RGB shows it"
 _OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colours stay RGB"
 
 
@@ -114,6 +117,11 @@ def emits(tree) -> bool:
     )
 
 
+def upsample_group_for(socket, channels: int):
+    """The *Upsample* group that goes in front of a socket; before a mix nothing is held to the bounds of a closure."""
+    return nodes.upsample_group(channels, vector=socket.type == "VECTOR", bounds=bounds_of(socket))
+
+
 class Conversion:
     """The state of one conversion: how the trees are wired, what of them is animated, and what stays RGB.
 
@@ -173,7 +181,15 @@ class Conversion:
             if self.carries_spectrum(socket):
                 waiting += self.wiring.feeds(socket) or ()
             elif not self.is_neutral(socket, link):
-                self.insert(socket, nodes.upsample_group(self.channels, vector=socket.type == "VECTOR"))
+                if self.is_too_pure(socket, link):
+                    self.remarks.append(Remark(self.by_tree[socket.id_data].words, socket.node.name, _TOO_PURE))
+                self.insert(socket, upsample_group_for(socket, self.channels))
+
+    def is_too_pure(self, socket, link) -> bool:
+        """Whether Cycles cuts channels of the colour that a socket holds, for they are below 0."""
+        if (link is not None and not link.is_muted) or bounds_of(socket) is Bounds.NONE:
+            return False
+        return upsample.is_outside_rec709(socket.default_value[:3], bpy.data.colorspace.working_space)
 
     def is_neutral(self, socket, link) -> bool:
         """Whether the value of a socket is the same in every channel, and stays so."""

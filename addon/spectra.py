@@ -122,7 +122,7 @@ def unassign(material, socket):
     tree.links.remove(socket.links[0])
     _clear_unused(tree, node)
     if before is None and _channels():
-        nodes.insert(tree, socket, None, nodes.upsample_group(_channels(), vector=socket.type == "VECTOR"))
+        nodes.insert(tree, socket, None, sockets.upsample_group_for(socket, _channels()))
 
 
 def inserted_before(socket):

@@ -1,7 +1,10 @@
 """Time to the same error: the room in Mitsuba 3 and in Relume, held against Mitsuba's long run. Prints ratios.
 
 `python -m relume.benchmarks.peers [--percent P] [--counts N ...] [--runs R] [--long N] [--errors E ...]
-[--variant NAME] [--out DIR]`
+[--variant NAME ...] [--out DIR]`
+
+Every spectral variant of Mitsuba that runs on this processor is measured, the fastest first; `llvm_ad_spectral` needs
+LLVM (Debian: `libllvm19`; `DRJIT_LIBLLVM_PATH` says where, if Mitsuba does not find it). The long run is the fastest's.
 
 Both renderers start from the data of `assets.room`, with box filters and as many bounces (`mitsuba_room`), on all
 cores; seconds are those of the processor, which a busy machine changes least. Error: median CIEDE2000 over pixels, of
@@ -31,10 +34,11 @@ from ..core import bases, coefficients, figures, library, measure, recombination
 from ..core.mix import Light, Mix
 from . import mitsuba_room
 
-_MITSUBA, _OURS = "Mitsuba", "p = 9"
+_OURS = "p = 9"
 _WAVELENGTHS = 33  # of a user's eleven renders
 _SAMPLER = "multijitter"  # of Mitsuba's, the one with the least noise for its time in this room
 _SEED_STEP = 1000
+_TRIAL = 64  # samples of the renders that say which variant is the fastest
 
 
 @dataclass
@@ -43,6 +47,7 @@ class Row:
 
     name: str
     model: object = None  # a factor model; None for Mitsuba
+    mitsuba: object = None  # a variant of Mitsuba
     same_seed: bool = False  # every pass takes all the samples, with the same noise
     own: bool = False  # held against a long run of its own, not Mitsuba's
     taken: dict = field(default_factory=dict)
@@ -91,8 +96,9 @@ def start_and_rate(samples, seconds) -> tuple[float, float]:
     return start, rate
 
 
-def _rows(channels) -> list[Row]:
-    rows = [Row(_MITSUBA), Row("RGB", bases.rgb()), Row("RGB, noise alone", bases.rgb(), own=True)]
+def _rows(variants, channels) -> list[Row]:
+    rows = [Row(f"Mitsuba, {each.variant}", mitsuba=each) for each in variants]
+    rows += [Row("RGB", bases.rgb()), Row("RGB, noise alone", bases.rgb(), own=True)]
     rows += [*(Row(f"p = {p}", bases.fitted(p)) for p in channels)]
     bands = bases.bands(_WAVELENGTHS)
     return [*rows, Row("11 renders, shared", bands), Row("11 renders, one seed", bands, same_seed=True)]
@@ -114,16 +120,17 @@ def _relume(row: Row, arguments, samples: int, seed: int) -> tuple[float, np.nda
 
 
 class _Mitsuba:
-    """The room in Mitsuba, at one size of picture."""
+    """The room in a variant of Mitsuba, at one size of picture. Raises ImportError where that does not run."""
 
     def __init__(self, variant: str, size: tuple[int, int]):
         import mitsuba
 
         mitsuba.set_variant(variant)
-        self.mi, self.size, self.unit = mitsuba, size, mitsuba_room.unit(mitsuba)
+        self.variant, self.mi, self.size, self.unit = variant, mitsuba, size, mitsuba_room.unit(mitsuba)
 
     def render(self, samples: int, seed: int) -> tuple[float, np.ndarray]:
         """Seconds, and (height, width, 3) XYZ."""
+        self.mi.set_variant(self.variant)
         sampler = {"type": _SAMPLER, "sample_count": samples}
         began = time.process_time()
         scene = self.mi.load_dict(mitsuba_room.scene(self.mi, room.LAMPS, self.size, sampler))
@@ -131,6 +138,29 @@ class _Mitsuba:
         seconds = time.process_time() - began
         # In the long run a pixel or two is no number, and stays so; a median does not notice
         return seconds, np.nan_to_num(xyz / self.unit)
+
+
+def _on_this_processor() -> list[str]:
+    """Mitsuba's spectral variants that need no graphics card."""
+    import mitsuba
+
+    return [name for name in mitsuba.variants() if name.endswith("_spectral") and not name.startswith("cuda")]
+
+
+def _fastest_first(names: list[str], size: tuple[int, int]) -> list[_Mitsuba]:
+    """Those of some variants that run here, by the seconds that a small render takes once it is compiled; told."""
+    found = []
+    for name in names:
+        try:
+            each = _Mitsuba(name, size)
+        except ImportError as why:
+            print(f"{name} does not run here: {why}", flush=True)
+            continue
+        each.render(_TRIAL, seed=0)
+        seconds = min(each.render(_TRIAL, seed=0)[0] for _ in range(2))
+        print(f"{name}: {seconds:.2f} s for {_TRIAL} samples", flush=True)
+        found.append((seconds, each))
+    return [each for _, each in sorted(found, key=lambda pair: pair[0])]
 
 
 def _white() -> np.ndarray:
@@ -176,12 +206,12 @@ def _at(row: Row, error: float) -> tuple[float, float, float]:
 def main(argv: list[str] | None = None):
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.peers", description=__doc__)
     parser.add_argument("--percent", type=int, default=20, help="of the room's own resolution (20)")
-    parser.add_argument("--counts", type=int, nargs="+", default=[16, 64, 256, 1024], metavar="N", help="samples")
+    parser.add_argument("--counts", type=int, nargs="+", default=[64, 256, 1024], metavar="N", help="samples")
     parser.add_argument("--runs", type=int, default=1, help="renders at each count (1)")
-    parser.add_argument("--long", type=int, default=4096, metavar="N", help="samples of Mitsuba's long run (4096)")
+    parser.add_argument("--long", type=int, default=2048, metavar="N", help="samples of Mitsuba's long run (2048)")
     parser.add_argument("--errors", type=float, nargs="+", default=[2.0, 1.0, 0.5], metavar="E", help="(2 1 0.5)")
-    parser.add_argument("--channels", type=int, nargs="+", default=[3, 6, 9, 12], metavar="P", help="9 among them")
-    parser.add_argument("--variant", default="scalar_spectral", metavar="NAME", help="of Mitsuba (scalar_spectral)")
+    parser.add_argument("--channels", type=int, nargs="+", default=[9], metavar="P", help="9 among them (9)")
+    parser.add_argument("--variant", nargs="+", metavar="NAME", help="of Mitsuba (every spectral one that runs here)")
     parser.add_argument("--out", type=Path, default=Path("out/peers"), metavar="DIR")
     arguments = parser.parse_args(argv)
     if 9 not in arguments.channels or len(arguments.counts) < 2:
@@ -191,17 +221,19 @@ def main(argv: list[str] | None = None):
 
     register()
     size = tuple(n * arguments.percent // 100 for n in room.CAMERA.resolution)
-    mitsuba = _Mitsuba(arguments.variant, size)
-    rows = _rows(arguments.channels)
+    variants = _fastest_first(arguments.variant or _on_this_processor(), size)
+    if not variants:
+        parser.error("no such variant of Mitsuba runs here")
+    rows = _rows(variants, arguments.channels)
     plain = next(row for row in rows if row.own)
-    theirs = _long_run(lambda seed: mitsuba.render(arguments.long // 2, seed))
+    theirs = _long_run(lambda seed: variants[0].render(arguments.long // 2, seed))
     own = _long_run(lambda seed: _relume(plain, arguments, arguments.long // 2, seed))
     seed = 2  # those of the long runs' halves come before it
     for _ in range(arguments.runs):
         for count in sorted(arguments.counts):
             seed += 1
             for row in rows:
-                taken = _relume(row, arguments, count, seed) if row.model else mitsuba.render(count, seed)
+                taken = _relume(row, arguments, count, seed) if row.model else row.mitsuba.render(count, seed)
                 truth, noise = own if row.own else theirs
                 error = np.sqrt(max(_median(taken[1], truth) ** 2 - noise**2, 0.0))
                 row.taken.setdefault(row.samples(count), []).append((taken[0], error))
@@ -209,7 +241,7 @@ def main(argv: list[str] | None = None):
 
 
 def _report(rows: list[Row], arguments, size, noise: float):
-    lines = [f"{size[0]} × {size[1]} pixels; {arguments.variant}, {_SAMPLER}; noise of its long run {noise:.2f}.", ""]
+    lines = [f"{size[0]} × {size[1]} pixels; Mitsuba's {_SAMPLER}; noise of its long run {noise:.2f}.", ""]
     lines += ["Times are ratios to nine channels.", "", *_table(rows, arguments.errors), ""]
     lines += ["| | samples: seconds, median ΔE2000 |", "|---|---|"]
     for row in rows:

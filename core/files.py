@@ -1,53 +1,106 @@
-"""Reading and writing spectra: CSV, .spd and text in columns, ANSI/IES TM-27 (.spdx), and CGATS.
+"""Reading and writing spectra: text in columns, ANSI/IES TM-27 and CGATS.
 
-Raises SpectrumError with the file and, where there is one, the line.
+Raises SpectrumError, one sentence with the file and, where there is one, the line. Text in columns is read here and not
+by colour-science or NumPy alone: they make a number of `nan`, know no decimal comma, no unit and no per cent, and do
+not say which line is wrong.
 """
 
+import codecs
 import csv
-import re
+import os
+import stat
 from pathlib import Path
 
 import numpy as np
 
-from . import results
+from . import cgats, columns, measurement, results, tm27
 from .spectrum import Spectrum, SpectrumError
 
-__all__ = ["illuminant", "observer", "read", "write"]
+__all__ = ["LARGEST", "illuminant", "observer", "read", "write"]
 
-LIMITS = (100.0, 5000.0)  # nm; a first column outside is not wavelengths in nanometres
+LARGEST = 64 * 2**20  # bytes; a file of a million wavelengths has about 20 MB
+_CGATS, _TM27 = (".cgats", ".it8", ".cie", ".ti3"), (".spdx", ".xml")
+# The longer mark first: that of UTF-16 begins that of UTF-32
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF32_LE, "utf-32-le"),
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
 
 
 def read(path, kind="reflectance"):
-    """The spectra in a file -> list of Spectrum, named by its heading or by the file.
+    """The spectra in a file -> list of Spectrum of that `kind`, named by its heading or by the file.
 
-    .csv: wavelengths in nm in the first column, one spectrum in each further one, a heading line if the first line is
-    not numbers; separators comma, semicolon or tab. .spd, .txt, .dat: the same, separated by blanks too. .spdx: TM-27.
-    .it8, .cgats, .cie: CGATS tables with fields such as SPECTRAL_NM_400. Lines that start with # are skipped.
-    Raises SpectrumError.
+    Text in columns: wavelengths in the first, in nm unless its heading says µm, Å, cm⁻¹ or eV, one spectrum in each
+    further one; separated by tabs, semicolons, commas or blanks; decimal points, or commas where nothing else is
+    possible. One line of headings; lines that start with # are skipped. TM-27 (.spdx, XML), CGATS: as their fields say.
+    Reflectances are per cent where the heading says so. What was read otherwise than it stands there is said in the
+    spectrum's `source`. Raises SpectrumError, also for what can be read in two ways.
     """
     path = Path(path)
-    readers = {".spdx": _read_tm27, ".xml": _read_tm27, ".cgats": _read_cgats, ".it8": _read_cgats, ".cie": _read_cgats}
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        return [spectrum for found in _found(path, kind) for spectrum in measurement.spectra(found, kind, path.name)]
+    except SpectrumError as error:
+        raise SpectrumError(f"{path}{', ' if str(error).startswith('line ') else ': '}{error}") from None
+
+
+def _found(path, kind):
+    data = _bytes(path)
+    suffix = path.suffix.lower()
+    if suffix in _TM27 or data.removeprefix(codecs.BOM_UTF8)[:1] == b"<":
+        return [tm27.measurement(data, path.stem, kind)]
+    text = _text(data)
+    if suffix in _CGATS or "BEGIN_DATA_FORMAT" in text:
+        return cgats.measurements(text, path.stem)
+    return [columns.measurement(text, path.stem)]
+
+
+def _bytes(path):
+    """What a regular file holds. Raises SpectrumError for any other, which may never end."""
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise SpectrumError("is a folder, not a file")
+        if not stat.S_ISREG(status.st_mode):
+            raise SpectrumError("is not a regular file")
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
+            data = file.read(LARGEST + 1)
     except FileNotFoundError:
-        raise SpectrumError(f"{path}: no such file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise SpectrumError(f"{path}: cannot be read as text: {error}") from None
-    spectra = readers.get(path.suffix.lower(), _read_columns)(path, text, kind)
-    if not spectra:
-        raise SpectrumError(f"{path}: holds no spectra")
-    return spectra
+        raise SpectrumError("no such file") from None
+    except OSError as error:
+        raise SpectrumError(f"cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a NUL in the name
+        if isinstance(error, SpectrumError):
+            raise
+        raise SpectrumError(f"cannot be read: {error}") from None
+    if len(data) > LARGEST:
+        raise SpectrumError(f"is larger than {LARGEST >> 20} MB: no file of spectra")
+    return data
+
+
+def _text(data):
+    """Text by its byte order mark, else UTF-8, else as Windows and older instruments write. Raises SpectrumError."""
+    mark, encoding = next(((mark, name) for mark, name in _MARKS if data.startswith(mark)), (b"", "utf-8"))
+    try:
+        text = data[len(mark) :].decode(encoding)
+    except UnicodeDecodeError as error:
+        if mark:
+            raise SpectrumError(f"cannot be read as text in {encoding.upper()}: {error.reason}") from None
+        text = data.decode("latin-1")
+    if "\0" in text:
+        line = text[: text.index("\0")].count("\n") + 1
+        raise SpectrumError(f"line {line}: has a NUL character: not text, or text without a byte order mark")
+    return text
 
 
 def illuminant(path):
-    """The one illuminant in a file -> Spectrum of kind "illuminant". Raises SpectrumError, also for negative power."""
+    """The one illuminant in a file -> Spectrum of kind "illuminant". Raises SpectrumError, also for one in the dark."""
     found = read(path, kind="illuminant")
     if len(found) > 1:
         raise SpectrumError(f"{path}: holds {len(found)} spectra; an illuminant's file holds one")
     (lamp,) = found
-    if (lamp.values < 0).any():
-        first = lamp.wavelengths[np.argmax(lamp.values < 0)]
-        raise SpectrumError(f"{path}: the power at {first:g} nm is negative; an illuminant's is 0 or more")
     if not (lamp.sampled() > 0).any():
         raise SpectrumError(f"{path}: no power between 380 and 780 nm")
     return lamp
@@ -58,6 +111,9 @@ def observer(path):
     found = read(path, kind="sensitivity")
     if len(found) != 3:
         raise SpectrumError(f"{path}: holds {len(found)} spectra; an observer or camera has three sensitivities")
+    for spectrum in found:
+        if not spectrum.sampled().any():
+            raise SpectrumError(f"{path}: {spectrum.name!r} responds to nothing between 380 and 780 nm")
     return tuple(found)
 
 
@@ -76,116 +132,11 @@ def write(path, spectra):
                 f"{path}: {spectrum.name!r} covers {spectrum.wavelengths[0]:g} to {spectrum.wavelengths[-1]:g} nm, "
                 f"the others {wavelengths[0]:g} to {wavelengths[-1]:g} nm"
             )
-    columns = [np.interp(wavelengths, spectrum.wavelengths, spectrum.values) for spectrum in spectra]
+    names = [measurement.plain_name(measurement.without_per_cent(spectrum.name)) for spectrum in spectra]
+    values = [np.interp(wavelengths, spectrum.wavelengths, spectrum.values) for spectrum in spectra]
     path = Path(path)
     with results.replacing(path) as partial, open(partial, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["wavelength_nm", *(spectrum.name for spectrum in spectra)])
-        writer.writerows([repr(float(value)) for value in row] for row in zip(wavelengths, *columns, strict=True))
+        writer.writerow(["wavelength_nm", *names])
+        writer.writerows([repr(float(value)) for value in row] for row in zip(wavelengths, *values, strict=True))
     return path
-
-
-def _read_columns(path, text, kind):
-    """Wavelengths in the first column, spectra in the others."""
-    blanks = path.suffix.lower() != ".csv"
-    head, rows = None, []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        cells = _cells(line, blanks)
-        values = [_number(cell) for cell in cells]
-        if head is None and not rows and None in values:
-            head = cells
-            continue
-        if None in values:
-            raise SpectrumError(f"{path}, line {number}: {cells[values.index(None)]!r} is not a number")
-        if len(values) < 2:
-            raise SpectrumError(f"{path}, line {number}: needs a wavelength and at least one value")
-        if rows and len(values) != len(rows[0]):
-            raise SpectrumError(f"{path}, line {number}: has {len(values)} columns, the lines before {len(rows[0])}")
-        if not LIMITS[0] <= values[0] <= LIMITS[1]:
-            raise SpectrumError(f"{path}, line {number}: {values[0]:g} is not a wavelength in nm")
-        rows.append(values)
-    if not rows:
-        raise SpectrumError(f"{path}: holds no numbers")
-    table = np.array(rows)
-    names = [path.stem] if table.shape[1] == 2 else [f"{path.stem} {j}" for j in range(1, table.shape[1])]
-    if head is not None and len(head) == table.shape[1]:
-        names = [name.strip() or other for name, other in zip(head[1:], names, strict=True)]
-    return [
-        _spectrum(path, table[:, 0], column, name, kind) for name, column in zip(names, table[:, 1:].T, strict=True)
-    ]
-
-
-def _cells(line, blanks):
-    """The cells of a line, separated by tab, semicolon, comma or, if `blanks`, blanks; decimal commas are read."""
-    for separator in ("\t", ";"):
-        if separator in line:
-            return [cell.strip().replace(",", ".") for cell in line.strip().split(separator)]
-    if "," in line:
-        return [cell.strip() for cell in next(csv.reader([line]))]
-    return line.split() if blanks else [line.strip()]
-
-
-def _number(cell):
-    try:
-        return float(cell)
-    except ValueError:
-        return None
-
-
-def _read_tm27(path, text, kind):
-    """ANSI/IES TM-27: an XML file of one spectrum, read by colour-science."""
-    from xml.etree.ElementTree import ParseError
-
-    from colour import SpectralDistribution_IESTM2714
-
-    try:
-        distribution = SpectralDistribution_IESTM2714(str(path)).read()
-        wavelengths, values = distribution.wavelengths, distribution.values
-    except ParseError as error:
-        raise SpectrumError(f"{path}, line {error.position[0]}: not well-formed XML: {error}") from None
-    except (ValueError, TypeError, AttributeError, KeyError):
-        raise SpectrumError(f"{path}: not a TM-27 spectrum") from None
-    kind = "illuminant" if kind == "reflectance" and distribution.spectral_quantity in (None, "flux") else kind
-    return [_spectrum(path, wavelengths, values, distribution.header.description or path.stem, kind)]
-
-
-def _read_cgats(path, text, kind):
-    """CGATS.17: fields between BEGIN_DATA_FORMAT and END_DATA_FORMAT, rows between BEGIN_DATA and END_DATA."""
-    fields, rows, section = [], [], None
-    for number, line in enumerate(text.splitlines(), start=1):
-        word = line.strip()
-        if word in ("BEGIN_DATA_FORMAT", "BEGIN_DATA"):
-            section = word
-        elif word.startswith("END_DATA"):
-            section = None
-        elif section == "BEGIN_DATA_FORMAT":
-            fields += word.split()
-        elif section == "BEGIN_DATA" and word:
-            cells = [quoted or plain for quoted, plain in re.findall(r'"([^"]*)"|(\S+)', word)]
-            if len(cells) != len(fields):
-                raise SpectrumError(f"{path}, line {number}: has {len(cells)} cells for {len(fields)} fields")
-            rows.append((number, cells))
-    bands = {
-        j: re.fullmatch(r"(?:SPECTRAL_)?(?:NM|nm|R|SPEC)_?(\d{3,4}(?:\.\d+)?)", field) for j, field in enumerate(fields)
-    }
-    bands = {j: float(match[1]) for j, match in bands.items() if match}
-    if not bands:
-        raise SpectrumError(f"{path}: has no spectral fields such as SPECTRAL_NM_400")
-    labels = [j for j, field in enumerate(fields) if field in ("SAMPLE_NAME", "SAMPLE_ID", "SAMPLE_LOC")]
-    spectra = []
-    for number, cells in rows:
-        values = [_number(cells[j]) for j in bands]
-        if None in values:
-            raise SpectrumError(f"{path}, line {number}: a spectral value is not a number")
-        name = cells[labels[0]] if labels else f"{path.stem} {len(spectra) + 1}"
-        spectra.append(_spectrum(path, list(bands.values()), values, name, kind))
-    return spectra
-
-
-def _spectrum(path, wavelengths, values, name, kind):
-    try:
-        return Spectrum(wavelengths, values, name, kind, path.name)
-    except SpectrumError as error:
-        raise SpectrumError(f"{path}: {error}") from None

@@ -100,9 +100,6 @@ def _find(name: str, names: Collection[str], what: str) -> str:
     raise LibraryError(f"no {what} named {name!r}{hint}")
 
 
-# ---------------------------------------------------------------------------------------------------- illuminants
-
-
 @cache
 def _measured_illuminants() -> dict[str, Any]:
     """name -> colour-science's distribution: CIE illuminants, lamps under known names, light sources."""
@@ -200,9 +197,6 @@ def _daylight(kelvin: float) -> Spectrum:
     return Spectrum(distribution.wavelengths, distribution.values, f"D {kelvin:g} K", "illuminant", "CIE daylight")
 
 
-# --------------------------------------------------------------------------------------------------- reflectances
-
-
 @cache
 def reflectances(name: str) -> list[Spectrum]:
     """A set of reflectances -> list of Spectrum.
@@ -244,9 +238,6 @@ def reflectance(name: str) -> Spectrum:
     """One reflectance by name, as "ColorChecker: red" or "CES 01" -> Spectrum. Raises LibraryError."""
     known = {spectrum.name: spectrum for label in REFLECTANCE_SETS for spectrum in reflectances(label)}
     return known[_find(name, known, "reflectance")]
-
-
-# --------------------------------------------------------------------------------------------- conductors, glasses
 
 
 def conductors() -> list[str]:
@@ -308,9 +299,6 @@ def _dispersion(model: Any, name: str, kind: str, source: str) -> Spectrum:
     else:
         raise LibraryError(f"{name}: dispersion formula {kind_of_model} is not supported")
     return Spectrum(x * 1000, values, name, kind, source)
-
-
-# ------------------------------------------------------------------------------------------------------ observers
 
 
 def observers() -> list[str]:

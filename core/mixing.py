@@ -59,6 +59,7 @@ def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
         if weight > 0.0:
             values = illuminant.sampled()
             relight.power_weights(values, luminous)  # raises SpectrumError where it cannot be seen
+            values = values / np.abs(values).max()  # the faintest and the strongest alike
             power += weight / total * values / (values @ luminous[:, 1])
     shares = [f"{weight / total:.0%} {illuminant.name}" for illuminant, weight in parts if weight > 0.0]
     return Spectrum(WAVELENGTHS, power, " + ".join(shares), "illuminant", "blend")

@@ -6,12 +6,24 @@ import numpy as np
 
 from .errors import SpectrumError
 
-__all__ = ["KINDS", "WAVELENGTHS", "Spectrum", "SpectrumError"]
+__all__ = ["KINDS", "NOISE", "RANGES", "WAVELENGTHS", "Spectrum", "SpectrumError"]
 
 WAVELENGTHS = np.arange(380.0, 785.0, 5.0)  # nm, (81,)
 WAVELENGTHS.setflags(write=False)
 
-KINDS = ("reflectance", "illuminant", "refractive index", "extinction", "sensitivity")
+NOISE = 0.02  # how far below 0 a measurement may fall, of a perfect white or of a lamp's peak: a meter's dark noise
+_GREATEST = 1e30  # of a relative power; its sums and products with others stay far from what a float can hold
+# What a value of each kind may be. A fluorescent paint gives back, at some wavelengths, up to twice the light that
+# falls there, and one in per cent that stays below 2 would be blacker than soot; n and k of metals reach 10 and
+# 60 in the infrared; matching functions may be negative.
+RANGES = {
+    "reflectance": (-NOISE, 2.0),
+    "illuminant": (-_GREATEST, _GREATEST),
+    "refractive index": (0.0, 100.0),
+    "extinction": (0.0, 100.0),
+    "sensitivity": (-_GREATEST, _GREATEST),
+}
+KINDS = tuple(RANGES)
 _ZERO_OUTSIDE = ("illuminant", "sensitivity")
 
 
@@ -20,7 +32,7 @@ class Spectrum:
     """Samples of one quantity over wavelength.
 
     wavelengths: (n,) nm, in any order on the way in, increasing afterwards.
-    values: (n,) reflectance 0..1, relative power per nm, n, k or sensitivity, by `kind`.
+    values: (n,) reflectance 0..1, relative power per nm, n, k or sensitivity, by `kind`; within its `RANGES`.
     Raises SpectrumError.
     """
 
@@ -50,6 +62,14 @@ class Spectrum:
         if not np.isfinite(values).all():
             first = wavelengths[np.argmin(np.isfinite(values))]
             raise SpectrumError(f"{where}: the value at {first:g} nm is not a finite number")
+        low, high = RANGES[self.kind]
+        outside = (values < low) | (values > high)
+        if outside.any():
+            first = np.argmax(outside)
+            raise SpectrumError(
+                f"{where}: the value at {wavelengths[first]:g} nm is {values[first]:g}; "
+                f"{self.kind} is a number from {low:g} to {high:g}"
+            )
         order = np.argsort(wavelengths, kind="stable")
         wavelengths, values = wavelengths[order], values[order]
         repeated = np.flatnonzero(np.diff(wavelengths) <= 0)
@@ -79,7 +99,7 @@ class Spectrum:
         if self.kind == "illuminant" and wavelengths.size > 1:
             if self.wavelengths.size == 1:
                 step = np.gradient(wavelengths)
-                return _triangles(wavelengths, self.wavelengths) @ self.values / step
+                return _shared_out(self.values, self.wavelengths, wavelengths) / step
             if np.diff(self.wavelengths).min() < np.diff(wavelengths).min() * (1 - 1e-9):
                 return self._averaged(wavelengths)
         return np.interp(wavelengths, self.wavelengths, self.values, left=0.0, right=0.0)
@@ -94,7 +114,7 @@ class Spectrum:
         inside = np.tile((left >= self.wavelengths[0]) & (right <= self.wavelengths[-1]), 3)
         power = np.interp(points, self.wavelengths, self.values) * weights * inside
         # The end samples stand for half a triangle; dividing by the full step keeps the total power.
-        return _triangles(wavelengths, points) @ power / np.gradient(wavelengths)
+        return _shared_out(power, points, wavelengths) / np.gradient(wavelengths)
 
     def to_dict(self):
         """A JSON-able description, for image headers and scene properties."""
@@ -121,7 +141,14 @@ class Spectrum:
             raise SpectrumError("not the description of a spectrum: it needs wavelengths and values") from None
 
 
-def _triangles(grid, points):
-    """Weights (len(grid), len(points)) of linear interpolation from `grid` at `points`; zero outside the grid."""
-    identity = np.eye(grid.size)
-    return np.stack([np.interp(points, grid, row, left=0.0, right=0.0) for row in identity])
+def _shared_out(amounts, points, grid):
+    """Each of the amounts (n,) at points (n,) shared linearly by its two neighbours on `grid` (m,) -> (m,).
+
+    What lies outside the grid is dropped.
+    """
+    within = (points >= grid[0]) & (points <= grid[-1])
+    amounts, points = amounts[within], points[within]
+    below = np.minimum(np.searchsorted(grid, points, side="right") - 1, grid.size - 2)
+    part = (points - grid[below]) / (grid[below + 1] - grid[below])
+    shares = np.concatenate([amounts * (1 - part), amounts * part])
+    return np.bincount(np.concatenate([below, below + 1]), shares, minlength=grid.size)

@@ -4,12 +4,12 @@ from functools import cache
 
 import numpy as np
 
-from . import library
-from .arrays import Array
+from . import library, measure
+from .arrays import Array, ArrayLike
 from .factor_model import FactorModel, ModelError
-from .spaces import REC709, RGB_SPACES, rgb_to_xyz
+from .spaces import D65_WHITE, REC709, RGB_SPACES, rgb_to_xyz
 
-__all__ = ["RGB_SPACES", "rgb_matrix", "rgb_to_xyz"]
+__all__ = ["RGB_SPACES", "filter_difference", "is_outside_rec709", "rgb_matrix", "rgb_to_xyz"]
 
 
 @cache
@@ -43,6 +43,32 @@ def _rec709_matrix(model: FactorModel) -> Array:
     matrix = _nearest(model.coefficients(_primaries(model).T).T, model.relight(library.illuminant("D65")), target)
     matrix.setflags(write=False)
     return matrix
+
+
+def is_outside_rec709(rgb: ArrayLike, space: str = REC709) -> bool:
+    """Whether a colour is purer than any of Rec.709, by 1 % of its brightest channel. Channels below 0 count as 0."""
+    if space == REC709:
+        return False
+    own = np.linalg.solve(rgb_to_xyz(REC709), rgb_to_xyz(space) @ np.maximum(rgb, 0.0))
+    return bool(own.min() < -0.01 * own.max())
+
+
+def filter_difference(model: FactorModel, rgb: ArrayLike, space: str = REC709) -> float:
+    """How far surfaces in coloured light differ from the product of two RGB colours: CIEDE2000, the worst of six.
+
+    They are red, green, blue and the mixtures of two, of 5 and 80 %, lit by D65 through a filter of that colour; the
+    light is as bright as white in a picture.
+    """
+    light = np.maximum(np.asarray(rgb, dtype=np.float64), 0.0)
+    luminance = float(rgb_to_xyz(space)[1] @ light)
+    if luminance <= 0.0:
+        return 0.0
+    light /= luminance
+    surfaces = 0.05 + 0.75 * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
+    matrix = rgb_matrix(model, space)
+    spectral = (matrix @ light * (surfaces @ matrix.T)) @ model.relight(library.illuminant("D65")).T
+    plain = (light * surfaces) @ rgb_to_xyz(space).T
+    return float(measure.delta_E_2000(plain, spectral, D65_WHITE).max())
 
 
 def _primaries(model: FactorModel) -> Array:

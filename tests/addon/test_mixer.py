@@ -81,6 +81,8 @@ def test_every_kind_of_illuminant_reaches_the_sockets(ready, tmp_path):
         ("nm,power\n400,1\n500,\n600,1\n", "line 3: '' is not a number"),
         ("nm,power\n800,1\n900,1\n", "no power between 380 and 780 nm"),
         ("nm,a,b\n400,1,1\n500,1,1\n", "holds 2 spectra"),
+        ("400,0,5\n500,0,6\n", "may be 2 spectra, or numbers with decimal commas"),
+        ("4OO,0.5\n500,0.6\n", "line 1: '4OO' is not a number"),
     ],
 )
 def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_path, text, words):
@@ -92,6 +94,24 @@ def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_pat
     before = sockets(ready)
     row.path = str(bad)
     assert words in ready.relume.problem and "bad.csv" in ready.relume.problem
+    assert np.array_equal(sockets(ready), before)
+    assert row.origin == row.label == "good.csv"
+
+
+def test_how_a_file_was_read_is_told(ready, tmp_path):
+    row, path = ready.relume.light_groups[0], tmp_path / "lamp.csv"
+    assert row.origin == ready.relume.observer_origin == ""
+    path.write_text("wavelength in µm;power\n0,40;-0,01\n0,70;2,5\n", encoding="latin-1")
+    row.path, row.source = str(path), "FILE"
+    assert ready.relume.problem == ""
+    assert row.origin == "lamp.csv, wavelengths read as µm, noise below 0 read as 0"
+    path.write_text("nm\tr\tg\tb\n400\t0.1\t0.2\t0.3\n700\t0.3\t0.2\t0.1\n", encoding="utf-16")
+    ready.relume.observer_path, ready.relume.observer = str(path), "FILE"
+    assert ready.relume.problem == "" and ready.relume.observer_origin == "lamp.csv"
+    path.write_text("nm\tr\tg\n400\t0.1\t0.2\n700\t0.3\t0.2\n")
+    before = sockets(ready)
+    ready.relume.observer_path = str(path)
+    assert "an observer or camera has three" in ready.relume.problem
     assert np.array_equal(sockets(ready), before)
 
 

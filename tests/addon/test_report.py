@@ -1,6 +1,7 @@
 """`relume report`: error against run time, resumable, with the planner's choice among the rows."""
 
 import json
+import subprocess
 import sys
 import types
 
@@ -48,6 +49,50 @@ def test_a_stopped_report_goes_on_where_it_was(reported, capfd):
     after = rows_of(folder)
     assert after["RGB"] == before["RGB"]
     assert after["6 channels"]["model"] == before["6 channels"]["model"]
+
+
+def test_what_is_damaged_is_named_and_made_again(reported, capfd):
+    arguments, folder = reported
+    before = rows_of(folder)
+    image = next((folder / "renders").glob("RGB-*.exr"))
+    row = next((folder / "renders").glob("RGB-*.json"))
+    whole = image.read_bytes()
+    for data in (whole[: len(whole) // 2], whole[:100], b""):
+        image.write_bytes(data)
+        row.write_bytes(row.read_bytes()[:40])
+        (folder / "renders" / ".relume-00000000-00000000.lock").touch()
+        capfd.readouterr()
+        assert commands.execute(arguments) == 0
+        told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("relume: ")]
+        assert f"{image}: damaged, and made again" in told[0] and f"{row}: damaged, and made again" in told[1]
+        assert told[2:] == ["relume: 3 passes to render"]
+        assert image.read_bytes() == whole
+    assert rows_of(folder)["RGB"]["model"] == before["RGB"]["model"]
+    assert not [path for path in folder.rglob(".*") if "00000000" not in path.name]
+
+
+def test_a_killed_report_leaves_nothing_that_a_rerun_does_not_mend(reported, tmp_path):
+    arguments, folder = reported
+    expected = {path.name: path.read_bytes() for path in folder.rglob("*.exr")}
+    other = tmp_path / "other"
+    command = "from relume.addon.commands import main; main()"
+    for passes in (1, 3, 8):
+        process = subprocess.Popen(
+            [sys.executable, "-c", command, *arguments[:-1], str(other)], stderr=subprocess.PIPE, text=True
+        )
+        for line in process.stderr:
+            passes -= "pass" in line
+            if not passes:
+                break
+        process.kill()
+        process.wait()
+        process.stderr.close()
+    assert commands.execute([*arguments[:-1], str(other)]) == 0
+    assert {path.name: path.read_bytes() for path in other.rglob("*.exr")} == expected
+    assert {row: told["model"] for row, told in rows_of(other).items()} == {
+        row: told["model"] for row, told in rows_of(folder).items()
+    }
+    assert not list(other.rglob(".*"))
 
 
 def test_a_changed_scene_is_rendered_anew(reported, capfd):

@@ -96,6 +96,27 @@ def test_metals_and_glasses(startup, cube):
     assert not metal.inputs["IOR"].is_linked
 
 
+def test_how_a_file_was_read_is_told(startup, cube, tmp_path, capfd):
+    path = tmp_path / "cloth.csv"
+    common = {"filepath": str(path), "node": BASE[0], "socket": BASE[1], "takes": BASE[2]}
+    path.write_text("nm;a in %;b in %\n400;10,5;3\n700;90,5;4\n")
+    assert bpy.ops.relume.assign_spectrum_file(**common) == {"FINISHED"}
+    assert "From cloth.csv, read as per cent; the first 1 of 2 spectra" in capfd.readouterr().out
+    base = cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
+    assert spectra.spectra_of(spectra.source_of(base))["Color"].values.tolist() == [0.105, 0.905]
+    trees, links = len(bpy.data.node_groups), len(cube.node_tree.links)
+    for text, words in (
+        ("400,10.5\n700,90.5\n", "looks like per cent"),
+        ("0.4,0.1\n0.7,0.9\n", "looks like µm"),
+        ("800,0.1\n900,0.9\n", "nothing of the visible"),
+        ("400,0.1\n500,1e200\n", "outside the range"),
+    ):
+        path.write_text(text)
+        with pytest.raises(RuntimeError, match=words):
+            bpy.ops.relume.assign_spectrum_file(**common)
+    assert (trees, links) == (len(bpy.data.node_groups), len(cube.node_tree.links)), "a refused file changes nothing"
+
+
 def test_spectra_from_files(startup, cube, tmp_path):
     path = tmp_path / "Ткань.csv"
     path.write_text("nm,dyed cloth\n400,0.1\n500,0.4\n600,0.8\n700,0.9\n", encoding="utf-8")

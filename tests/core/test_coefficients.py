@@ -1,6 +1,7 @@
 """Coefficient images on disk: what comes back, what half floats cost, what is refused."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
@@ -60,3 +61,15 @@ def test_what_is_not_finite_is_refused_by_name(image, tmp_path, bad):
     as_half(tmp_path / "a.exr")
     with pytest.raises(coefficients.CoefficientImageError, match=r"a.exr: channel .*Fill.* has 1 pixels .* half"):
         coefficients.read(tmp_path / "a.exr")
+
+
+def test_a_file_of_the_first_version_is_read_for_ever():
+    path = Path(__file__).parent / "files/version_1.exr"  # written by Relume 0.1.0
+    found, model = coefficients.read(path), bases.fitted(3)
+    patches = model.coefficients(library.reflectances("colorchecker")).reshape(4, 6, 3)
+    np.testing.assert_allclose(found.groups["Key"], patches, rtol=1e-6)
+    np.testing.assert_allclose(found.groups["Everything else"], 0.25 * patches[::-1], rtol=1e-6)
+    assert list(found.groups) == ["Key", "Everything else"] and found.gains == {"Key": 2.0, "Everything else": 0.5}
+    assert (found.white, found.white_balance, found.observer) == ((1.1, 1.0, 0.35), 0.5, "CIE 1964 10°")
+    assert found.view["view_transform"] == "AgX"
+    assert coefficients.describe(path).size == found.size == (6, 4)

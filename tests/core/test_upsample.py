@@ -44,3 +44,21 @@ def test_a_colour_has_the_same_coefficients_in_every_space(space):
 def test_unknown_space_is_refused():
     with pytest.raises(ModelError, match="Linear Rec.709"):
         upsample.rgb_to_xyz("Adobe")
+
+
+def test_only_wider_spaces_have_colours_outside_rec709():
+    assert not any(upsample.is_outside_rec709(rgb) for rgb in CUBE)
+    for space in ("Linear Rec.2020", "ACEScg"):
+        assert upsample.is_outside_rec709((0.0, 1.0, 0.0), space)
+        assert not upsample.is_outside_rec709((0.5, 0.5, 0.5), space)
+        there = np.linalg.solve(upsample.rgb_to_xyz(space), upsample.rgb_to_xyz() @ (0.0, 0.7, 0.0))
+        assert not upsample.is_outside_rec709(there, space)
+
+
+def test_white_light_differs_on_no_surface_and_a_deep_filter_does_on_some():
+    model = bases.fitted(9)
+    assert upsample.filter_difference(model, (2.0, 2.0, 2.0)) < 1e-2
+    assert upsample.filter_difference(model, (0.0, 0.0, 0.0)) == 0.0
+    warm, deep = (upsample.filter_difference(model, rgb) for rgb in ((1.0, 0.8, 0.6), (1.0, 0.0, 0.0)))
+    assert warm < 3 < 20 < deep
+    assert upsample.filter_difference(bases.rgb(), (1.0, 0.0, 0.0)) < 1e-2, "RGB's own product"
