@@ -20,7 +20,7 @@ __all__ = ["blender_command", "execute", "main", "register", "unregister"]
 
 def _run(told: argparse.Namespace):
     from ..core import figures
-    from . import demo, describe, jobs, report
+    from . import demo, describe, jobs, report, web
 
     if getattr(told, "scene", None) is not None:
         open_scene(located(told.scene))
@@ -36,6 +36,8 @@ def _run(told: argparse.Namespace):
         jobs.relight_file(told)
     elif told.command == "describe":
         jobs.describe_scene(told.out)
+    elif told.command == "web":
+        web.run(told)
     elif told.command == "report":
         report.run(told)
     else:

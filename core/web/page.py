@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import library, results
-from ..coefficients import CoefficientImage
+from ..coefficient_image import CoefficientImage
 from ..errors import CoefficientImageError, UsageError
 from ..factor_model import FactorModel
 from ..spaces import ADAPTATIONS, rgb_to_xyz, xyz_to_rgb
