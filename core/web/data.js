@@ -1,6 +1,7 @@
 // What the page holds: tables of numbers, and the planes of pictures, as browsers decode them.
 
-const page = JSON.parse(document.getElementById("data").textContent);
+// With "var", as `now` is, for whoever drives the page from outside
+var page = JSON.parse(document.getElementById("data").textContent);
 const LINES = 81; // wavelengths, 380 to 780 nm
 let numbers;
 

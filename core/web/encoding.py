@@ -25,7 +25,7 @@ __all__ = ["Encoded", "decode", "difference", "encode", "encode_within", "plane_
 FLOOR = 0.04  # ε, in parts of what is bright: below it, brightness goes in equal steps
 ABOVE_WHITE = 0.35  # how fine the steps above white are, to those below
 CHROMA = 25.0  # where the steps of r begin to grow, in ΔE at mid grey
-STEPS = (0.008, 0.2)  # the finest that pay: of the logarithm of brightness, and of r in ΔE
+STEPS = (0.008, 0.2)  # the finest that pay: of the logarithm of brightness, and of r in ΔE where 1 ΔE is wanted
 PIXELS = 4000  # on which quality is measured
 SAMPLE = 128  # pixels to a side of the tiles that quality is measured on
 QUALITIES = (40, 98)  # of the AVIF encoder
@@ -86,14 +86,14 @@ def _white_of(groups: Sequence[np.ndarray], luminous: np.ndarray, exposure: floa
 
 
 def _planes(
-    coefficients: np.ndarray, matrices: np.ndarray, white: float
+    coefficients: np.ndarray, matrices: np.ndarray, white: float, wanted: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Codes (p, height, width) uint8 of coefficients (height, width, p), with the tables, basis and floor."""
     shape, channels = coefficients.shape[:2], coefficients.shape[2]
     flat = coefficients.reshape(-1, channels)
     luminous, root = _luminous(matrices).astype(np.float32), _metric_root(matrices)
     brightness = flat @ luminous
-    floor = float(max(FLOOR * np.sqrt(white * max(np.percentile(brightness, 98), 0.0)), 1e-3 * white))
+    floor = float(max(FLOOR * np.sqrt(white * max(float(np.percentile(brightness, 98)), 0.0)), 1e-3 * white))
     rest = (flat - brightness[:, None]) / np.maximum(brightness + floor, 0.1 * floor)[:, None]
     spread = root @ (rest.T @ rest / len(rest)).astype(np.float64) @ root
     axes = np.linalg.eigh(spread)[1][:, ::-1][:, : channels - 1]
@@ -106,7 +106,9 @@ def _planes(
     level = np.where(level > knee, knee + (level - knee) / ABOVE_WHITE, level)
     found, tables = [codes], [floor * np.expm1(level)]
     for axis in r.T:
-        codes, level = _quantised(np.sign(axis) * CHROMA * np.log1p(np.abs(axis) / CHROMA), STEPS[1], 1e-4)
+        codes, level = _quantised(
+            np.sign(axis) * CHROMA * np.log1p(np.abs(axis) / CHROMA), STEPS[1] * min(wanted, 1.0), 1e-4
+        )
         found.append(codes)
         tables.append(np.sign(level) * CHROMA * np.expm1(np.abs(level) / CHROMA))
     basis = np.linalg.solve(root, axes).astype(np.float32)
@@ -123,15 +125,22 @@ def _quantised(values: np.ndarray, finest: float, left_out: float) -> tuple[np.n
 
 
 def encode(
-    groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure: float = 0.0, quality: int = 85
+    groups: Mapping[str, np.ndarray],
+    matrices: np.ndarray,
+    exposure: float = 0.0,
+    quality: int = 85,
+    wanted: float = 1.0,
 ) -> dict[str, Encoded]:
-    """Encode light groups, each (height, width, p), for lamps whose relight matrices are (lamps, 3, p)."""
+    """Encode light groups, each (height, width, p), for lamps whose relight matrices are (lamps, 3, p).
+
+    quality: of the AVIF encoder. wanted: the ΔE that it is for.
+    """
     white = _white_of(list(groups.values()), _luminous(matrices), exposure)
-    return {name: _encode(coefficients, matrices, white, quality) for name, coefficients in groups.items()}
+    return {name: _encode(coefficients, matrices, white, quality, wanted) for name, coefficients in groups.items()}
 
 
-def _encode(coefficients: np.ndarray, matrices: np.ndarray, white: float, quality: int) -> Encoded:
-    codes, tables, basis, floor = _planes(coefficients, matrices, white)
+def _encode(coefficients: np.ndarray, matrices: np.ndarray, white: float, quality: int, wanted: float) -> Encoded:
+    codes, tables, basis, floor = _planes(coefficients, matrices, white, wanted)
     planes = [plane_bytes(plane, quality if k else min(quality + _FINER, 99)) for k, plane in enumerate(codes)]
     return Encoded(tuple(planes), tables, basis, floor)
 
@@ -148,16 +157,20 @@ def decode(encoded: Encoded) -> np.ndarray:
 def difference(
     groups: Sequence[np.ndarray], shown: Sequence[np.ndarray], matrices: np.ndarray, exposure: float = 0.0
 ) -> Array:
-    """(lamps, pixels) CIEDE2000 of two pictures as an sRGB display shows them, with each lamp in all light groups.
+    """(lamps, pixels) CIEDE2000 of two pictures as an sRGB display shows them, every light group under another lamp.
 
     groups, shown: (pixels, p) for each light group; the picture meant, and the picture to be judged.
     """
     to_xyz = rgb_to_xyz()
-    pair = [sum(np.asarray(each, np.float64) for each in picture) for picture in (groups, shown)]
+    lamps = len(matrices)
+    to_rgb = np.linalg.solve(to_xyz, matrices.astype(np.float64) * 2.0**exposure)
     found = []
-    for matrix in matrices:
-        to_rgb = np.linalg.solve(to_xyz, matrix * 2.0**exposure)
-        meant, judged = (np.clip(each @ to_rgb.T, 0.0, 1.0) @ to_xyz.T for each in pair)
+    for first in range(lamps):
+        turns = [to_rgb[(first + g * (lamps // 3 + 1)) % lamps].T for g in range(len(groups))]
+        meant, judged = (
+            np.clip(sum(each @ turn for each, turn in zip(picture, turns, strict=True)), 0.0, 1.0) @ to_xyz.T
+            for picture in (groups, shown)
+        )
         found.append(delta_E_2000(meant, judged, to_xyz.sum(axis=1)))
     return np.array(found)
 
@@ -186,7 +199,7 @@ def quality_for(groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure
     low, high = QUALITIES
     while low < high:
         middle = (low + high) // 2
-        found = reached(tiles, encode(tiles, matrices, exposure, middle), matrices, exposure)
+        found = reached(tiles, encode(tiles, matrices, exposure, middle, wanted), matrices, exposure)
         low, high = (low, middle) if found <= 0.97 * wanted else (middle + 1, high)
     return low
 
@@ -207,7 +220,7 @@ def encode_within(
 ) -> tuple[dict[str, Encoded], int, float]:
     """Light groups encoded at `quality`, or higher where that misses `wanted`; the quality, and the ΔE reached."""
     while True:
-        coded = encode(groups, matrices, exposure, quality)
+        coded = encode(groups, matrices, exposure, quality, wanted)
         found = reached(groups, coded, matrices, exposure)
         if found <= wanted or quality >= QUALITIES[1]:
             return coded, quality, found

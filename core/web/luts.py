@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import library
 from ..arrays import Array
 from ..measure import delta_E_2000
 from ..spaces import REC709, rgb_to_xyz, srgb_decoded, xyz_to_rgb
 
 __all__ = ["Lut", "bake", "is_plain"]
 
-SIZE = 41
-STOPS = (-13.0, 11.0)  # of linear values that a table reaches; below, the steps are equal
+SIZE = 49
+STOPS = (-12.0, 8.0)  # of linear values that a table reaches; below, the steps are equal
 # Primaries, as xy of red, green, blue, between which a table may be made; the best of them is taken. FilmLight E-Gamut
 # is what AgX works in.
 _E_GAMUT = ((0.8, 0.3177), (0.18, 0.9), (0.065, -0.0805))
@@ -61,15 +62,19 @@ def _baked(show: Show, space: str, matrix: Array) -> Lut:
     blue, green, red = np.meshgrid(axis, axis, axis, indexing="ij")
     rgb = np.stack([red, green, blue], axis=-1).reshape(SIZE, -1, 3)
     there = rgb @ (xyz_to_rgb(space) @ np.linalg.inv(matrix)).T
-    return Lut(matrix, show(there.astype(np.float32)).reshape(SIZE, SIZE, SIZE, 3).astype(np.float32))
+    shown = show(there.astype(np.float32)).reshape(SIZE, SIZE, SIZE, 3)
+    return Lut(matrix, (np.round(255 * shown) / 255).astype(np.float32))  # a byte's 256 values pack well
 
 
 def _probe(space: str) -> np.ndarray:
-    """(n, 3) colours of pictures: of every brightness, most of them soft, some outside sRGB."""
+    """(n, 3) colours of pictures, of every brightness: between white and the pure colours of the spectrum."""
     rng = np.random.default_rng(0)
-    grey = np.exp2(rng.uniform(-8, 4, (4096, 1)))
-    rgb = grey * np.exp2(rng.normal(0, 1, (4096, 3)) * rng.uniform(0, 1.5, (4096, 1)))
-    return (rgb @ (xyz_to_rgb(space) @ rgb_to_xyz()).T).astype(np.float32)
+    pure = library.observer()[8:60][rng.integers(0, 52, 4096)]  # 420 to 675 nm
+    pure = pure / pure.sum(axis=1, keepdims=True)
+    white = rgb_to_xyz().sum(axis=1) / rgb_to_xyz().sum()
+    part = rng.uniform(0, 1, (4096, 1)) ** 3
+    xyz = np.exp2(rng.uniform(-6, 4, (4096, 1))) * (part * pure + (1 - part) * white)
+    return (xyz @ xyz_to_rgb(space).T).astype(np.float32)
 
 
 def sampled(lut: Lut, xyz: np.ndarray) -> np.ndarray:
@@ -91,5 +96,5 @@ def sampled(lut: Lut, xyz: np.ndarray) -> np.ndarray:
 
 def _error(shown: np.ndarray, wanted: np.ndarray) -> Array:
     to_xyz = rgb_to_xyz()
-    pair = (srgb_decoded(np.clip(each, 0.0, 1.0).astype(np.float64)) @ to_xyz.T for each in (shown, wanted))
-    return delta_E_2000(*pair, to_xyz.sum(axis=1))
+    xyz, truth = (srgb_decoded(np.clip(each, 0.0, 1.0).astype(np.float64)) @ to_xyz.T for each in (shown, wanted))
+    return delta_E_2000(xyz, truth, to_xyz.sum(axis=1))

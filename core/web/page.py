@@ -244,7 +244,7 @@ def _frames(
         reached = max(reached, found)
         frames.append({"number": number, "groups": [_group(page, each) for each in coded.values()], "alpha": None})
         if (image.alpha < 1.0).any():
-            frames[-1]["alpha"] = page.plane(encoding.plane_bytes(np.uint8(np.clip(image.alpha, 0, 1) * 255 + 0.5), 95))
+            frames[-1]["alpha"] = page.plane(encoding.plane_bytes((np.clip(image.alpha, 0, 1) * 255 + 0.5).astype(np.uint8), 95))
     return {"size": list(shape), "frames": frames}, reached
 
 
@@ -272,7 +272,7 @@ def _resized(pixels: np.ndarray, width: int, height: int) -> np.ndarray:
 
     source = oiio.ImageBuf(np.ascontiguousarray(pixels, np.float32))
     region = oiio.ROI(0, width, 0, height, 0, 1, 0, pixels.shape[2])
-    return oiio.ImageBufAlgo.resize(source, filtername="box", roi=region).get_pixels(oiio.FLOAT)
+    return np.asarray(oiio.ImageBufAlgo.resize(source, filtername="box", roi=region).get_pixels(oiio.FLOAT))
 
 
 def _packed(data: bytes) -> str:

@@ -1,6 +1,6 @@
 // The page: what is shown, and everything that a person, the address or another page may change.
 
-const now = { picture: null, mix: null, mixes: new Map(), frame: null, number: 0, snapshots: [], compared: null, wipe: 0.5, spot: null };
+var now = { picture: null, mix: null, mixes: new Map(), frame: null, number: 0, snapshots: [], compared: null, wipe: 0.5, spot: null };
 let renderer, waiting, loads = 0;
 
 function render() {

@@ -12,13 +12,10 @@ import subprocess
 import time
 from pathlib import Path
 
+# What browsers themselves say of WebGL without a GPU, and of pixels that are read back
+OWN = ("software WebGL has been deprecated", "GPU stall due to ReadPixels", "Failed to create WebGL context")
 __all__ = ["Chromium", "Firefox", "found"]
 
-ERRORS = """
-window.__errors = [];
-addEventListener("error", (event) => __errors.push(String(event.message)));
-addEventListener("unhandledrejection", (event) => __errors.push(String(event.reason)));
-"""
 QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run")
 QUIET += ("--disable-component-update", "--disable-sync", "--force-color-profile=srgb", "--hide-scrollbars")
 
@@ -37,6 +34,10 @@ def found() -> dict[str, type]:
     return there
 
 
+def _not_own(heard) -> list[str]:
+    return [words for words in heard if not any(own in words for own in OWN)]
+
+
 class _Browser:
     driver = None
 
@@ -49,10 +50,7 @@ class _Browser:
 
     def run(self, script: str, *arguments):
         """What a script returns; its arguments are `arguments[0]` and so on."""
-        return self.driver.execute_script(script, *self._given(arguments))
-
-    def _given(self, arguments):
-        return arguments
+        return self.driver.execute_script(script, *arguments)
 
     def wait(self, script: str, seconds: float = 90.0):
         """Wait until a script returns something true."""
@@ -61,6 +59,10 @@ class _Browser:
             assert time.monotonic() < end, self.run("return document.getElementById('status').textContent") or script
             time.sleep(0.1)
         return value
+
+    def has_webgl(self) -> bool:
+        context = "document.createElement('canvas').getContext('webgl2')"
+        return bool(self.run(f"return {context}?.getExtension('EXT_color_buffer_float') ? 1 : 0"))
 
     def pixels(self):
         """(height, width, 4) uint8 of the picture, as the page shows it now."""
@@ -103,7 +105,10 @@ class Chromium(_Browser):
 
     def errors(self) -> list[str]:
         """What the console has heard since it was asked last."""
-        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+        heard = [
+            entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")
+        ]
+        return [words for words in heard if not any(own in words for own in OWN)]
 
     def quit(self):
         self.driver.quit()
@@ -178,7 +183,7 @@ class Firefox(_Browser):
         with self.driver.using_context("chrome"):
             heard = self.driver.execute_script(script)
             self.driver.execute_script("Services.console.reset()")
-        return heard
+        return _not_own(heard)
 
     def quit(self):
         self.driver.delete_session()
