@@ -20,7 +20,20 @@ from ..measure import delta_E_2000
 from ..relight import local_metric
 from ..spaces import rgb_to_xyz
 
-__all__ = ["Encoded", "decode", "difference", "encode", "encode_within", "plane_bytes", "quality_for", "reached"]
+__all__ = [
+    "Encoded",
+    "decode",
+    "difference",
+    "encode",
+    "encode_within",
+    "luminous",
+    "plane_bytes",
+    "quality_for",
+    "quantised",
+    "reached",
+    "tiles",
+    "white_of",
+]
 
 FLOOR = 0.04  # ε, in parts of what is bright: below it, brightness goes in equal steps
 ABOVE_WHITE = 0.35  # how fine the steps above white are, to those below
@@ -61,7 +74,8 @@ def _codes_in(plane: bytes) -> np.ndarray:
     return np.asarray(Image.open(io.BytesIO(plane)).convert("L"))
 
 
-def _luminous(matrices: np.ndarray) -> np.ndarray:
+def luminous(matrices: np.ndarray) -> np.ndarray:
+    """(p,) v, of sum 1: how much of the brightness each channel makes, over lamps (lamps, 3, p)."""
     weights = np.maximum(matrices[:, 1].mean(axis=0), 0.0)
     return weights / weights.sum()
 
@@ -79,20 +93,23 @@ def _metric_root(matrices: np.ndarray) -> np.ndarray:
     return (vectors * np.sqrt(values)) @ vectors.T
 
 
-def _white_of(groups: Sequence[np.ndarray], luminous: np.ndarray, exposure: float) -> float:
+def white_of(groups: Sequence[np.ndarray], weights: np.ndarray, exposure: float) -> float:
     """The brightness that the picture shows as white, or its own highlights where they stay below."""
-    total = sum(coefficients @ luminous for coefficients in groups)
+    total = sum(coefficients @ weights for coefficients in groups)
     return float(max(min(np.percentile(total, 98), 2.0**-exposure), 1e-6))
 
 
-def _planes(
+def quantised(
     coefficients: np.ndarray, matrices: np.ndarray, white: float, wanted: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Codes (p, height, width) uint8 of coefficients (height, width, p), with the tables, basis and floor."""
+    """Codes (p, height, width) uint8 of coefficients (height, width, p), with the tables, basis and floor.
+
+    white: the brightness that is shown as white, see `white_of`. wanted: the ΔE that it is for.
+    """
     shape, channels = coefficients.shape[:2], coefficients.shape[2]
     flat = coefficients.reshape(-1, channels)
-    luminous, root = _luminous(matrices).astype(np.float32), _metric_root(matrices)
-    brightness = flat @ luminous
+    root = _metric_root(matrices)
+    brightness = flat @ luminous(matrices).astype(np.float32)
     floor = float(max(FLOOR * np.sqrt(white * max(float(np.percentile(brightness, 98)), 0.0)), 1e-3 * white))
     rest = (flat - brightness[:, None]) / np.maximum(brightness + floor, 0.1 * floor)[:, None]
     spread = root @ (rest.T @ rest / len(rest)).astype(np.float64) @ root
@@ -135,12 +152,12 @@ def encode(
 
     quality: of the AVIF encoder. wanted: the ΔE that it is for.
     """
-    white = _white_of(list(groups.values()), _luminous(matrices), exposure)
+    white = white_of(list(groups.values()), luminous(matrices), exposure)
     return {name: _encode(coefficients, matrices, white, quality, wanted) for name, coefficients in groups.items()}
 
 
 def _encode(coefficients: np.ndarray, matrices: np.ndarray, white: float, quality: int, wanted: float) -> Encoded:
-    codes, tables, basis, floor = _planes(coefficients, matrices, white, wanted)
+    codes, tables, basis, floor = quantised(coefficients, matrices, white, wanted)
     planes = [plane_bytes(plane, quality if k else min(quality + _FINER, 99)) for k, plane in enumerate(codes)]
     return Encoded(tuple(planes), tables, basis, floor)
 
@@ -195,16 +212,16 @@ def quality_for(groups: Mapping[str, np.ndarray], matrices: np.ndarray, exposure
     """
     if not wanted > 0.0:
         raise MeasureError(f"a quality of ΔE {wanted:g} cannot be reached: give more than 0")
-    tiles = {name: _tiles(coefficients) for name, coefficients in groups.items()}
+    parts = {name: tiles(coefficients) for name, coefficients in groups.items()}
     low, high = QUALITIES
     while low < high:
         middle = (low + high) // 2
-        found = reached(tiles, encode(tiles, matrices, exposure, middle, wanted), matrices, exposure)
+        found = reached(parts, encode(parts, matrices, exposure, middle, wanted), matrices, exposure)
         low, high = (low, middle) if found <= 0.97 * wanted else (middle + 1, high)
     return low
 
 
-def _tiles(coefficients: np.ndarray) -> np.ndarray:
+def tiles(coefficients: np.ndarray) -> np.ndarray:
     """One picture of every third tile, in both directions; a small picture whole."""
     height, width = coefficients.shape[:2]
     if height <= 3 * SAMPLE or width <= 3 * SAMPLE:

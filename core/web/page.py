@@ -244,7 +244,9 @@ def _frames(
         reached = max(reached, found)
         frames.append({"number": number, "groups": [_group(page, each) for each in coded.values()], "alpha": None})
         if (image.alpha < 1.0).any():
-            frames[-1]["alpha"] = page.plane(encoding.plane_bytes((np.clip(image.alpha, 0, 1) * 255 + 0.5).astype(np.uint8), 95))
+            frames[-1]["alpha"] = page.plane(
+                encoding.plane_bytes((np.clip(image.alpha, 0, 1) * 255 + 0.5).astype(np.uint8), 95)
+            )
     return {"size": list(shape), "frames": frames}, reached
 
 

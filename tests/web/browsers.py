@@ -105,10 +105,8 @@ class Chromium(_Browser):
 
     def errors(self) -> list[str]:
         """What the console has heard since it was asked last."""
-        heard = [
-            entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")
-        ]
-        return [words for words in heard if not any(own in words for own in OWN)]
+        heard = self.driver.get_log("browser")
+        return _not_own(entry["message"] for entry in heard if entry["level"] in ("SEVERE", "WARNING"))
 
     def quit(self):
         self.driver.quit()
