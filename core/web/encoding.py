@@ -136,7 +136,7 @@ def _quantised(values: np.ndarray, finest: float, left_out: float) -> tuple[np.n
     """Codes uint8 of values, and what each of the 256 means; a part `left_out` at either end may be clipped."""
     low, high = np.quantile(values, [left_out, 1.0 - left_out])
     step = max(finest, (high - low) / 255)
-    first = (low + high) / 2 - 127.5 * step
+    first = step * np.round((low + high) / 2 / step - 127.5)  # zero is one of the values: an even picture stays even
     codes = np.clip(np.round((values - first) / step), 0, 255).astype(np.uint8)
     return codes, first + step * np.arange(256)
 

@@ -15,7 +15,7 @@ __all__ = ["KINDS", "RENDERED", "catalogue", "chosen", "matrices", "observers", 
 
 RENDERED = "As rendered"  # the family of illuminants that a file brings with it
 CAMERAS = ("Nikon 5100 (NPL)", "Sigma SDMerill (NPL)")
-KINDS = {"planckian": ("Planckian", 1000.0, 20000.0, 48), "daylight": ("D", 4000.0, 25000.0, 24)}
+KINDS = {"planckian": ("Planckian", 1000.0, 20000.0, 48), "daylight": ("D", 4000.0, 20000.0, 24)}
 
 
 def chosen(names: Sequence[str]) -> dict[str, str]:

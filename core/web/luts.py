@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..measure import delta_E_2000
 from ..spaces import REC709, rgb_to_xyz, srgb_decoded, xyz_to_rgb
 
-__all__ = ["Lut", "bake", "is_plain"]
+__all__ = ["Lut", "bake", "difference", "is_plain", "sampled"]
 
 SIZE = 49
 STOPS = (-12.0, 8.0)  # of linear values that a table reaches; below, the steps are equal
@@ -52,7 +52,7 @@ def bake(show: Show, space: str = REC709) -> Lut:
     probe = _probe(space)
     wanted = show(probe[None])[0]
     found = [_baked(show, space, matrix) for matrix in _matrices()]
-    errors = [np.percentile(_error(sampled(lut, probe @ rgb_to_xyz(space).T), wanted), 98) for lut in found]
+    errors = [np.percentile(difference(sampled(lut, probe @ rgb_to_xyz(space).T), wanted), 98) for lut in found]
     return found[int(np.argmin(errors))]
 
 
@@ -94,7 +94,8 @@ def sampled(lut: Lut, xyz: np.ndarray) -> np.ndarray:
     return found
 
 
-def _error(shown: np.ndarray, wanted: np.ndarray) -> Array:
+def difference(shown: np.ndarray, wanted: np.ndarray) -> Array:
+    """(n,) CIEDE2000 of colours (n, 3) as encoded for an sRGB display."""
     to_xyz = rgb_to_xyz()
     xyz, truth = (srgb_decoded(np.clip(each, 0.0, 1.0).astype(np.float64)) @ to_xyz.T for each in (shown, wanted))
     return delta_E_2000(xyz, truth, to_xyz.sum(axis=1))
