@@ -24,8 +24,12 @@ function bytesOf(element) {
 
 async function readNumbers() {
   const packed = new Blob([bytesOf(document.getElementById("numbers"))]).stream();
-  const plain = await new Response(packed.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-  numbers = new Float32Array(plain);
+  const bytes = new Uint8Array(await new Response(packed.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer());
+  // Three bytes of each, the first ones of all before the second: numbers of 24 bits
+  const count = bytes.length / 3;
+  const words = new Uint32Array(count);
+  for (let i = 0; i < count; i++) words[i] = (bytes[i] << 8) | (bytes[count + i] << 16) | (bytes[2 * count + i] << 24);
+  numbers = new Float32Array(words.buffer);
 }
 
 // The numbers that [first, ...shape] in the data stand for, flat.
