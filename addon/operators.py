@@ -3,7 +3,7 @@
 from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
-from . import describe, dial, exr, inspector, mixer_operators, web
+from . import describe, dial, exr, inspector, mixer_operators, web_operators
 from .mixer_operators import NeedsSetUp
 
 __all__ = [
@@ -58,7 +58,7 @@ CLASSES = (
     *inspector.CLASSES,
     *exr.CLASSES,
     *describe.CLASSES,
-    *web.CLASSES,
+    *web_operators.CLASSES,
 )
 
 

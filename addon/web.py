@@ -1,25 +1,21 @@
-"""A page in which anyone can choose the light: `relume web`, and *Share as Web Page*."""
+"""`relume web`: a page in which anyone can choose the light."""
 
 import argparse
 import math
 import tempfile
-import webbrowser
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import bpy
 import numpy as np
-from bpy.props import FloatProperty, IntProperty, StringProperty
-from bpy.types import Operator
 
 from ..core import coefficients, exr, results, sequences
-from ..core.errors import CoefficientImageError, RelumeError, UsageError
+from ..core.errors import CoefficientImageError, UsageError
 from ..core.web import page
 from . import console, render
 from .blend_file import located
 
-__all__ = ["CLASSES", "add_command", "run"]
+__all__ = ["QUALITIES", "SIZES", "add_command", "run", "shown"]
 
 SIZES = (16, 8192)  # pixels of the longer side
 QUALITIES = (0.1, 20.0)  # ΔE
@@ -88,7 +84,7 @@ def run(told: argparse.Namespace):
             quality=told.quality,
             title=told.title,
             bare=told.bare,
-            show=_shown,
+            show=shown,
             progress=console.say,
         )
     for name, difference in reached.items():
@@ -123,7 +119,7 @@ def _picture(path: Path) -> page.Picture:
     return page.Picture(path.stem, {1: partial(coefficients.read, path)})
 
 
-def _shown(rgb: np.ndarray, image) -> np.ndarray:
+def shown(rgb: np.ndarray, image) -> np.ndarray:
     """What Blender's view transform makes of linear RGB (height, width, 3) on an sRGB display: 0..1, encoded."""
     flat = replace(
         image, groups={}, alpha=np.ones(rgb.shape[:2], np.float32), view={**image.view, "display_device": "sRGB"}
@@ -132,91 +128,3 @@ def _shown(rgb: np.ndarray, image) -> np.ndarray:
         path = Path(folder) / "shown.png"
         render.save_picture(path, rgb, flat)
         return exr.read_rgb(path)
-
-
-class ShareAsWebPage(Operator):
-    """Write the render that is there as one HTML file, in which anyone can change the light in a browser"""
-
-    bl_idname = "relume.share_as_web_page"
-    bl_label = "Share as Web Page"
-
-    filepath: StringProperty(subtype="FILE_PATH")
-    filter_glob: StringProperty(default="*.html", options={"HIDDEN"})
-    size: IntProperty(name="Size", description="Pixels of the longer side, at most", default=1920, min=16, max=8192)
-    quality: FloatProperty(
-        name="Colour Difference",
-        description="CIEDE2000 that 98 % of the picture keeps to under every lamp. More makes a smaller file",
-        default=1.0,
-        min=QUALITIES[0],
-        max=QUALITIES[1],
-    )
-    title: StringProperty(name="Title", description="Headline of the page; empty: the name of the file")
-
-    @classmethod
-    def poll(cls, context):
-        if not context.scene.relume.is_set_up:
-            cls.poll_message_set("this scene is not set up for spectral rendering")
-            return False
-        if not context.scene.relume.exr and _image_editor(context) is None:
-            cls.poll_message_set("no Image Editor in this window shows a render")
-            return False
-        return True
-
-    def invoke(self, context, event):
-        name = (
-            Path(context.scene.relume.exr or bpy.data.filepath or context.scene.name)
-            .stem.replace("#", "")
-            .rstrip("._- ")
-        )
-        self.filepath = self.filepath or f"{name}.html"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def execute(self, context):
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".html")
-        window = context.window_manager
-        window.progress_begin(0, 1)
-        try:
-            image = _image(context)
-            picture = page.Picture(self.title or path.stem, {1: lambda: image})
-            page.write(path, [picture], size=self.size, quality=self.quality, title=self.title, show=_shown)
-        except (RelumeError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            window.progress_end()
-        self.report({"INFO"}, f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
-        if not bpy.app.background:
-            webbrowser.open(path.absolute().as_uri())
-        return {"FINISHED"}
-
-
-def _image_editor(context):
-    areas = context.screen.areas if context.screen else ()
-    return next(
-        (
-            a
-            for a in areas
-            if a.type == "IMAGE_EDITOR" and getattr(a.spaces.active.image, "type", "") == "RENDER_RESULT"
-        ),
-        None,
-    )
-
-
-def _image(context):
-    """The coefficient image that a scene shows now, lit as its mixer says. Raises CoefficientImageError."""
-    from . import inspector
-
-    scene = context.scene
-    if scene.relume.exr:
-        groups = inspector.coefficients_of(context)
-    else:
-        area = _image_editor(context)
-        region = next(region for region in area.regions if region.type == "WINDOW")
-        with context.temp_override(area=area, region=region):
-            groups = inspector.coefficients_of(context)
-    shape = next(iter(groups.values())).shape[:2]
-    return replace(render.described(scene), groups=groups, alpha=np.ones(shape, np.float32))
-
-
-CLASSES = (ShareAsWebPage,)

@@ -111,3 +111,21 @@ def test_share_as_web_page_writes_what_is_relit(here):
     groups = told["pictures"][0]["groups"]
     assert [told["lamps"][each["lamp"]]["name"] for each in groups] == ["FL2", "Mercury"]
     assert groups[1]["gain"] == pytest.approx(2.0) and told["pictures"][0]["size"] == [16, 12]
+
+
+def test_a_mix_that_was_copied_is_pasted(here):
+    scene = exr.new_scene(write(here / "shot.exr", ("key", "fill = 2")))
+    try:
+        with bpy.context.temp_override(scene=scene):
+            words = "--light 'key=Planckian 2900 K*0' 'fill = 2=Sodium (low pressure)*2' --white 0.5"
+            assert bpy.ops.relume.paste_mix(words=words) == {"FINISHED"}
+            key, fill = scene.relume.light_groups
+            assert (key.illuminant, key.mute) == ("Planckian 2900 K", True)
+            assert (fill.illuminant, fill.stops, fill.mute) == ("Sodium (low pressure)", pytest.approx(1.0), False)
+            assert scene.relume.white_balance == pytest.approx(0.5)
+            for words in (" ", "hello", "--light 'rim=D65*1'", "--light 'key=D66*1'", "--light 'key", "--help"):
+                with pytest.raises(RuntimeError):
+                    bpy.ops.relume.paste_mix(words=words)
+            assert key.illuminant == "Planckian 2900 K"
+    finally:
+        bpy.data.scenes.remove(scene)

@@ -1,5 +1,6 @@
 """What a browser shows is what `relume relight` makes."""
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -90,6 +91,16 @@ def test_the_view_transform_is_blenders(browser, relume, chart, tmp_path, render
     relume_command("web", source, "--quality", "0.5", "--out", tmp_path / "page.html")
     found = compared(browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}")
     assert np.percentile(found, 50) <= 0.5 and np.percentile(found, 98) <= 1.0
+
+
+def test_the_words_that_are_copied_make_the_picture(browser, relume, chart_exr, chart_page, tmp_path):
+    browser.open(
+        chart_page, "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&mute=window+%3D+2&white=0.8"
+    )
+    words = shlex.split(browser.run("return document.getElementById('words').value"))
+    relume_command("relight", chart_exr, *words, "--out", tmp_path / "copied.png")
+    found = differences(browser.pixels()[..., :3] / 255, exr.read_rgb(tmp_path / "copied.png"))
+    assert np.percentile(found, 50) <= 0.5 and np.percentile(found, 98) <= 1.5
 
 
 def test_highlights_come_back_four_stops_down(browser, chart, chart_page):
