@@ -16,10 +16,11 @@ oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests in Blend
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
 	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py -m ""
 
-lint: .venv/.complete ## Check style, format and the types of core/
+lint: .venv/.complete ## Check style, format, types, and who imports whom
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
-	.venv/bin/mypy core
+	.venv/bin/mypy core studies
+	.venv/bin/lint-imports --no-cache
 
 format: .venv/.complete ## Put the sources into the project's format
 	.venv/bin/ruff check --fix .

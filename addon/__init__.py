@@ -1,16 +1,19 @@
 """The Blender side of Relume. It holds no arithmetic: every number comes from `core`.
 
-One direction: properties → nodes → the set-up of a scene (spectra, lights, passes, compositing) → operators → panels
-and commands.
+One direction: `host` (what Blender is like) → `store` (what is kept) → `graph` (node trees) → `scene` (what a scene
+carries) → `cli` and `ui`. `handlers` wires what changes in the store to the scene.
 """
 
 __all__ = ["register", "unregister"]
 
 
 def _modules():
-    from . import commands, handlers, icons, material_panel, operators, panels, properties, remarks
+    from . import handlers
+    from .cli import commands
+    from .store import properties
+    from .ui import icons, material_panel, operators, panels
 
-    return properties, icons, operators, panels, remarks, material_panel, handlers, commands
+    return properties, icons, operators, panels, material_panel, handlers, commands
 
 
 def register():

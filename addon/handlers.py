@@ -3,6 +3,8 @@
 import bpy
 from bpy.app.handlers import persistent
 
+from .store import changes
+
 __all__ = ["register", "unregister"]
 
 _followed = {}  # scene's session id: the mix that its sockets show
@@ -19,7 +21,8 @@ def _mix(settings) -> tuple:
 
 
 def _follow(scene, depsgraph):
-    from . import compositing, mixer, setup
+    from .scene import compositing, setup
+    from .store import mixer
 
     if mixer.is_quiet() or not scene.relume.is_set_up or scene.animation_data is None:
         return
@@ -45,7 +48,7 @@ def _depsgraph_updated(scene, depsgraph):
 
 @persistent
 def _bake(scene, *_):
-    from . import baking
+    from .scene import baking
 
     if scene.relume.is_set_up and baking.is_animated(scene):
         baking.bake(scene)
@@ -53,7 +56,7 @@ def _bake(scene, *_):
 
 @persistent
 def _forget(scene, *_):
-    from . import baking
+    from .scene import baking
 
     baking.forget(scene)
 
@@ -62,9 +65,9 @@ def _forget(scene, *_):
 def _note(scene, *_):
     """Have the scene's renders say how they are relit; a mix that cannot be shown leaves what they said before."""
     from ..core.errors import RelumeError
-    from . import baking, note, passes, render
+    from .scene import baking, note, render, view_layers
 
-    if scene.relume.is_set_up and passes.pass_layers(scene) and scene.is_editable:
+    if scene.relume.is_set_up and view_layers.pass_layers(scene) and scene.is_editable:
         animated = baking.is_animated(scene)
         if note.is_current(scene, animated):
             return
@@ -101,11 +104,46 @@ _HANDLERS = (
 )
 
 
+def _mix_changed(scene):
+    from .scene import setup
+
+    setup.relight(scene)
+
+
+def _light_group_renamed(scene, before: str, after: str) -> str:
+    from .scene import light_groups
+
+    return light_groups.rename(scene, before, after)
+
+
+def _passes_changed(scene):
+    from .scene import setup
+
+    setup.set_up_afresh(scene)
+
+
+def _wipe_moved(scene, position: float):
+    from .scene import compositing
+
+    compositing.move_wipe(scene, position)
+
+
+_CHANGES = {
+    changes.MIX: _mix_changed,
+    changes.LIGHT_GROUP_RENAMED: _light_group_renamed,
+    changes.PASSES: _passes_changed,
+    changes.WIPE: _wipe_moved,
+}
+
+
 def register():
+    for change, function in _CHANGES.items():
+        changes.follow(change, function)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
 
 
 def unregister():
+    changes.forget()
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

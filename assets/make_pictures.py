@@ -6,10 +6,15 @@ from pathlib import Path
 
 import bpy
 
-from ..addon import denoise, glass, render, setup
-from ..addon.jobs import Progress
-from ..core import bases, figures, library, spaces
-from ..core.mix import Light
+from ..addon.cli.jobs import Progress
+from ..addon.graph import glass
+from ..addon.host import denoising
+from ..addon.scene import render, setup
+from ..core.colour import spaces
+from ..core.model import bases
+from ..core.picture.mix import Light
+from ..core.spectra import library
+from ..studies import figures
 from . import make_room, prism
 
 __all__ = ["main"]
@@ -37,7 +42,7 @@ def _room(path: Path):
     pictures = []
     for title, names in _LIGHTS.items():
         lights = {group: Light(library.illuminant(n)) for group, n in zip(image.groups, names, strict=True)}
-        pictures.append((title, spaces.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
+        pictures.append((title, spaces.srgb_encoded(denoising.denoised(render.picture(image, lights)))))
     figures.picture_row(path, pictures)
 
 
@@ -51,7 +56,7 @@ def _prism(path: Path):
         setup.set_up(scene, model)
         image = _rendered(scene)
         lights = {group: Light(library.illuminant("D65")) for group in image.groups}
-        pictures.append((title, spaces.srgb_encoded(denoise.denoised(render.picture(image, lights)))))
+        pictures.append((title, spaces.srgb_encoded(denoising.denoised(render.picture(image, lights)))))
     figures.picture_row(path, pictures)
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
-from ..addon import spectra
-from ..core import library
+from ..addon.graph import spectra
+from ..core.spectra import library
 from . import room
 
 __all__ = ["PATH", "build", "main"]

@@ -12,8 +12,8 @@ import time
 
 import bpy
 
-from ..addon import setup
-from ..core import bases
+from ..addon.scene import setup
+from ..core.model import bases
 
 _NODES = 25
 _ANIMATED = 10  # one in so many materials

@@ -12,8 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import bases, experiments, files, library, measure, metamers, upsample
-from ..core.reports import Section, publish, survive_closed_output
+from ..core.colour import differences
+from ..core.model import bases, upsample
+from ..core.palette import metamers
+from ..core.spectra import files, library
+from ..studies import experiments
+from ..studies.reports import Section, publish, survive_closed_output
 
 # channels: median, 90th, 99th percentile of CIEDE2000; under the CIE illuminants, under lamps never fitted to
 AIMS = {
@@ -93,7 +97,7 @@ def rgb_section():
         model = bases.fitted(p)
         coefficients = cube @ upsample.rgb_matrix(model).T
         matrix = model.relight(light)
-        error = measure.delta_E_2000(coefficients @ matrix.T, truth, matrix.sum(axis=1)).max()
+        error = differences.delta_E_2000(coefficients @ matrix.T, truth, matrix.sum(axis=1)).max()
         low, high = coefficients.min(), coefficients.max()
         met = error <= aim and (slack is None or (low >= -slack and high <= 1 + slack))
         rows.append([p, f"{error:.1e}", aim, f"{low:.4f} to {high:.4f}", "yes" if met else "no"])

@@ -14,8 +14,10 @@ import tracemalloc
 
 import numpy as np
 
-from ..core import bases, coefficients, library
-from ..core.reports import Section
+from ..core.model import bases
+from ..core.picture import coefficients
+from ..core.spectra import library
+from ..studies.reports import Section
 
 IMPORT_LIMIT = 0.3  # seconds
 RELIGHT_LIMIT = 0.020

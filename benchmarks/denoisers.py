@@ -13,9 +13,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon import denoise, render, setup
-from ..core import bases, measure, recombination, upsample
-from ..core.mix import Mix
+from ..addon.host import denoising
+from ..addon.scene import render, setup
+from ..core.colour import differences
+from ..core.model import bases, upsample
+from ..core.picture import recombination
+from ..core.picture.mix import Mix
 from . import overhead
 
 _LEAST = 1e-6  # what light is divided by
@@ -31,20 +34,20 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     picture = sum(parts)
     joint = _joint_guides(guides, shown)
     equalised = _equalised(coefficients, parts, joint)
-    apart = render.picture(denoise.denoised_image(image, guides), lights)
-    together = denoise.denoised(picture, joint)
+    apart = render.picture(denoising.denoised_image(image, guides), lights)
+    together = denoising.denoised(picture, joint)
     return {
         "as rendered": picture,
-        "the picture alone": denoise.denoised(picture),
-        "guides of the first pass (the compositor)": denoise.denoised(picture, guides[0]),
+        "the picture alone": denoising.denoised(picture),
+        "guides of the first pass (the compositor)": denoising.denoised(picture, guides[0]),
         "guides of all passes": together,
-        "the passes' brightness made alike first, then the same": denoise.denoised(equalised, joint),
+        "the passes' brightness made alike first, then the same": denoising.denoised(equalised, joint),
         "every pass, its light groups together": _each_pass(coefficients, matrices, guides),
         "every pass and light group, without guides": render.picture(
-            denoise.denoised_image(image, [{}] * len(guides)), lights
+            denoising.denoised_image(image, [{}] * len(guides)), lights
         ),
         "every pass and light group (`relume render`)": apart,
-        "the same, and the picture once more": denoise.denoised(apart, joint),
+        "the same, and the picture once more": denoising.denoised(apart, joint),
         "luminance of the picture with all guides, colour of the passes": _with_luminance(apart, together),
         "luminance of the passes, colour of the picture with all guides": _with_luminance(together, apart),
     }
@@ -61,7 +64,7 @@ def _joint_guides(guides, matrices: np.ndarray) -> dict[str, np.ndarray]:
 def _equalised(coefficients, parts, joint) -> np.ndarray:
     """The picture with each pass scaled so that passes are to one another as they are without noise."""
     brightness = np.stack([sum(c[k].sum(axis=-1) for c in coefficients) for k in range(len(parts))], axis=-1)
-    clean = denoise.denoised(brightness, joint)  # three passes, as red, green and blue
+    clean = denoising.denoised(brightness, joint)  # three passes, as red, green and blue
     ratio = clean / np.maximum(clean.sum(axis=-1, keepdims=True), _LEAST) * brightness.sum(axis=-1, keepdims=True)
     scale = np.where(brightness > _LEAST, ratio / np.maximum(brightness, _LEAST), 1.0)
     return sum(scale[..., k : k + 1] * part for k, part in enumerate(parts))
@@ -74,7 +77,7 @@ def _each_pass(coefficients, matrices, guides) -> np.ndarray:
         mean = np.mean([m[k] for m in matrices], axis=0)
         to_mean = np.linalg.inv(mean)
         seen = sum(c[k] @ (to_mean @ m[k]).T for c, m in zip(coefficients, matrices, strict=True))
-        picture = picture + denoise.denoised(seen, guide) @ mean.T
+        picture = picture + denoising.denoised(seen, guide) @ mean.T
     return picture
 
 
@@ -85,7 +88,7 @@ def _with_luminance(colored: np.ndarray, bright: np.ndarray) -> np.ndarray:
 
 def _error(picture: np.ndarray, truth: np.ndarray, white: np.ndarray) -> float:
     to_xyz = upsample.rgb_to_xyz()
-    return float(measure.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean())
+    return float(differences.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean())
 
 
 def _open(path: Path, arguments, seed: int):
@@ -118,7 +121,7 @@ def _measure(path: Path, arguments) -> dict[str, float]:
     plain, found = [], {}
     for seed in range(1, arguments.runs + 1):
         picture, guides = _plain(path, arguments, seed)
-        plain.append(_error(denoise.denoised(picture, guides), truth, white))
+        plain.append(_error(denoising.denoised(picture, guides), truth, white))
         for words, way in _ways(*_spectral(path, arguments, seed)).items():
             found.setdefault(words, []).append(_error(way, spectral_truth, white))
     return {words: np.mean(errors) / np.mean(plain) for words, errors in found.items()}

@@ -20,9 +20,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon import commands, render, setup
+from ..addon.cli import commands
+from ..addon.scene import render, setup
 from ..assets import make_room
-from ..core import bases, figures
+from ..core.model import bases
+from ..studies import figures
 from . import conversion
 
 _COLUMNS = ("RGB render", "set up", "remove", "synchronisation", "render", "recombination", "memory")

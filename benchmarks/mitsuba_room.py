@@ -16,9 +16,13 @@ from pathlib import Path
 import numpy as np
 
 from ..assets import room
-from ..core import bases, figures, library, measure, recombination, spaces
-from ..core.mix import Light, Mix
-from ..core.spectrum import WAVELENGTHS, Spectrum
+from ..core.colour import differences, spaces
+from ..core.model import bases
+from ..core.picture import recombination
+from ..core.picture.mix import Light, Mix
+from ..core.spectra import library
+from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
+from ..studies import figures
 from . import room_accuracy
 
 BLOCK = 4  # pixels averaged in each direction, against noise
@@ -148,8 +152,8 @@ def main(argv: list[str] | None = None):
     white = recombination.mixed_white(
         bases.bands(36), Mix({lamp: Light(library.illuminant(name)) for lamp, name in LIGHTING.items()})
     )
-    difference = measure.picture_delta_E(ours, theirs, white)
-    noise = measure.picture_delta_E(runs[0], runs[1], white)
+    difference = differences.picture_delta_E(ours, theirs, white)
+    noise = differences.picture_delta_E(runs[0], runs[1], white)
     arguments.out.mkdir(parents=True, exist_ok=True)
     to_rgb = spaces.xyz_to_rgb()
     pictures = {"Cycles, Relume": ours, "Mitsuba": theirs}
@@ -160,7 +164,7 @@ def main(argv: list[str] | None = None):
     print(f"\n{width} × {height} pixels in blocks of {BLOCK} × {BLOCK}, {arguments.samples} samples; ΔE2000")
     print(f"{'':<28}{'mean':>7}{'median':>9}{'p98':>7}{'max':>7}")
     for name, values in maps:
-        found = measure.statistics(values)
+        found = differences.statistics(values)
         print(f"{name:<28}{values.mean():>7.2f}{found['median']:>9.2f}{found['p98']:>7.2f}{found['max']:>7.2f}")
     print(f"mean luminance, Cycles over Mitsuba: {ours[..., 1].mean() / theirs[..., 1].mean():.4f}")
     print(f"Mitsuba took {seconds:.0f} s for its two runs\n{arguments.out}")

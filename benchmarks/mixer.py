@@ -15,9 +15,11 @@ import numpy as np
 
 import relume
 
-from ..addon import exr, render, setup
-from ..core import bases, coefficients, library, recombination
-from ..core.mix import Light
+from ..addon.scene import exr, render, setup
+from ..core.model import bases
+from ..core.picture import coefficients, recombination
+from ..core.picture.mix import Light
+from ..core.spectra import library
 
 __all__ = ["main"]
 

@@ -24,9 +24,12 @@ from unittest import mock
 import bpy
 import numpy as np
 
-from ..addon import denoise, render, setup
+from ..addon.host import denoising
+from ..addon.scene import render, setup
 from ..assets import make_room
-from ..core import bases, channel_order, coefficients, measure, recombination, sampling, spaces, upsample
+from ..core.colour import differences, spaces
+from ..core.model import bases, channel_order, upsample
+from ..core.picture import coefficients, recombination, sampling
 from . import hard_scenes
 
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
@@ -89,8 +92,8 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
     picture = render.picture(rendered.image, lights)
     if seed == LONG_RUN:
         return seconds, picture, []
-    apart = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
-    return seconds, picture, [denoise.denoised(picture), denoise.denoised(picture, rendered.guides[0]), apart]
+    apart = render.picture(denoising.denoised_image(rendered.image, rendered.guides), lights)
+    return seconds, picture, [denoising.denoised(picture), denoising.denoised(picture, rendered.guides[0]), apart]
 
 
 def color_lamps(scene):
@@ -106,8 +109,8 @@ def _plain(scene, path: Path, seed: int) -> tuple[float, np.ndarray, list]:
     seconds, picture, guides = plain(scene, path)
     if seed == LONG_RUN:
         return seconds, picture, []
-    guided = denoise.denoised(picture, guides)
-    return seconds, picture, [denoise.denoised(picture), guided, guided]
+    guided = denoising.denoised(picture, guides)
+    return seconds, picture, [denoising.denoised(picture), guided, guided]
 
 
 def plain(scene, path: Path) -> tuple[float, np.ndarray, dict]:
@@ -138,7 +141,7 @@ def _color_error(row: Row, white: np.ndarray) -> np.ndarray:
     to_xyz = upsample.rgb_to_xyz()
     truth = row.long_run @ to_xyz.T
     ways = [row.pictures, *zip(*row.clean, strict=True)]
-    return np.array([measure.picture_delta_E(np.array(way) @ to_xyz.T, truth, white).mean() for way in ways])
+    return np.array([differences.picture_delta_E(np.array(way) @ to_xyz.T, truth, white).mean() for way in ways])
 
 
 def _table(rows: list[Row], white: np.ndarray) -> list[str]:

@@ -28,10 +28,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon import render, setup
+from ..addon.scene import render, setup
 from ..assets import make_room, room
-from ..core import bases, coefficients, figures, library, measure, recombination
-from ..core.mix import Light, Mix
+from ..core.colour import differences
+from ..core.model import bases
+from ..core.picture import coefficients, recombination
+from ..core.picture.mix import Light, Mix
+from ..core.spectra import library
+from ..studies import figures
 from . import mitsuba_room
 
 _OURS = "p = 9"
@@ -169,7 +173,7 @@ def _white() -> np.ndarray:
 
 
 def _median(xyz, truth) -> float:
-    return float(np.median(measure.picture_delta_E(xyz, truth, _white())))
+    return float(np.median(differences.picture_delta_E(xyz, truth, _white())))
 
 
 def _long_run(render) -> tuple[np.ndarray, float]:

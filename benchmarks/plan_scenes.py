@@ -15,9 +15,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon import content, render, setup, spectra
-from ..core import bases, coefficients, library, measure, plan, recombination
-from ..core.mix import Light, Mix
+from ..addon.graph import spectra
+from ..addon.scene import content, render, setup
+from ..core.colour import differences
+from ..core.model import bases
+from ..core.picture import coefficients, plan, recombination
+from ..core.picture.mix import Light, Mix
+from ..core.spectra import library
 
 _SIZE = (48, 36)
 _LAMPS = ("D65", "D50", "A", "FL2", "FL11", "LED-B1", "LED-B3", "HP1")
@@ -106,7 +110,7 @@ def _measured(image, reference, lights, choices) -> float:
     for lighting in [lights, *({group: Light(light) for group in lights} for light in choices)]:
         white = recombination.mixed_white(reference.model, Mix(lighting))
         pictures = (coefficients.to_xyz(each, lighting) for each in (image, reference))
-        worst = max(worst, measure.statistics(measure.picture_delta_E(*pictures, white))["p98"])
+        worst = max(worst, differences.statistics(differences.picture_delta_E(*pictures, white))["p98"])
     return worst
 
 

@@ -15,11 +15,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon import render, setup
-from ..addon.jobs import Progress
+from ..addon.cli.jobs import Progress
+from ..addon.scene import render, setup
 from ..assets import make_room
-from ..core import bases, coefficients, library, measure, recombination
-from ..core.mix import Light, Mix
+from ..core.colour import differences
+from ..core.model import bases
+from ..core.picture import coefficients, recombination
+from ..core.picture.mix import Light, Mix
+from ..core.spectra import library
 
 _LIGHTINGS = {
     "A": {"tungsten": "A", "fluorescent": None},
@@ -74,10 +77,10 @@ def _white(model, lighting: dict[str, str | None]) -> np.ndarray:
     return recombination.mixed_white(model, Mix(lights))
 
 
-def _difference(image, truth, lighting, method=measure.delta_E_2000) -> dict[str, float]:
+def _difference(image, truth, lighting, method=differences.delta_E_2000) -> dict[str, float]:
     white = _white(truth.model, lighting)
-    return measure.statistics(
-        measure.picture_delta_E(lit_xyz(image, lighting), lit_xyz(truth, lighting), white, method)
+    return differences.statistics(
+        differences.picture_delta_E(lit_xyz(image, lighting), lit_xyz(truth, lighting), white, method)
     )
 
 
@@ -87,7 +90,7 @@ def _table_1(images, truth) -> list[str]:
     for name, image in images.items():
         cells = []
         for lighting in _LIGHTINGS.values():
-            for method in (measure.delta_E_1994, measure.delta_E_2000):
+            for method in (differences.delta_E_1994, differences.delta_E_2000):
                 found = _difference(image, truth, lighting, method)
                 cells.append(f" {found['median']:.2f} / {found['p98']:.2f} |")
         lines.append(f"| {name} |{''.join(cells)}")

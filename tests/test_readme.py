@@ -58,7 +58,7 @@ def test_commands(clone, tmp_path):
 def test_options(capsys):
     """Each option of the README's synopsis is one of the command's, and the other way round."""
     pytest.importorskip("bpy", reason="commands need bpy")
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     synopses = dict(re.findall(r"^    relume (\w+)((?:.*\n)(?:     +.*\n)*)", README, re.MULTILINE))
     assert {"render", "relight"} <= set(synopses)

@@ -30,8 +30,10 @@ def check(path: Path) -> dict:
     import test_fidelity as fidelity
 
     import relume
-    from relume.addon import nodes, remarks, render, setup, sockets
-    from relume.core import bases
+    from relume.addon.graph import nodes, sockets
+    from relume.addon.scene import render, setup
+    from relume.addon.store import remarks
+    from relume.core.model import bases
 
     relume.register()
     try:
@@ -68,7 +70,7 @@ def check(path: Path) -> dict:
 
 
 def _difference(fidelity, picture, plain) -> float:
-    from relume.core.measure import MeasureError
+    from relume.core.colour.differences import MeasureError
 
     try:
         return float(fidelity.delta_E(picture, plain).mean())

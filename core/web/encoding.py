@@ -14,11 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array
+from ..colour.differences import delta_E_2000
+from ..colour.spaces import rgb_to_xyz
 from ..errors import MeasureError
-from ..measure import delta_E_2000
-from ..relight import local_metric
-from ..spaces import rgb_to_xyz
+from ..model.relight import local_metric
+from ..spectra.arrays import Array
 
 __all__ = [
     "Encoded",

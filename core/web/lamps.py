@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .. import drawing, library
 from ..errors import LibraryError
-from ..factor_model import FactorModel
-from ..library import OBSERVER
-from ..recombination import relight_matrix
-from ..spectrum import WAVELENGTHS, Spectrum
+from ..model.factor_model import FactorModel
+from ..picture import drawing
+from ..picture.recombination import relight_matrix
+from ..spectra import library
+from ..spectra.library import OBSERVER
+from ..spectra.spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["KINDS", "RENDERED", "catalogue", "chosen", "matrices", "observers", "temperature_spectra", "temperatures"]
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import library
-from ..arrays import Array
-from ..measure import delta_E_2000
-from ..spaces import REC709, rgb_to_xyz, srgb_decoded, xyz_to_rgb
+from ..colour.differences import delta_E_2000
+from ..colour.spaces import REC709, rgb_to_xyz, srgb_decoded, xyz_to_rgb
+from ..spectra import library
+from ..spectra.arrays import Array
 
 __all__ = ["Lut", "bake", "difference", "is_plain", "sampled"]
 

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import library, results
-from ..coefficient_image import CoefficientImage
+from .. import results
+from ..colour.spaces import ADAPTATIONS, rgb_to_xyz, xyz_to_rgb
 from ..errors import CoefficientImageError, UsageError
-from ..factor_model import FactorModel
-from ..spaces import ADAPTATIONS, rgb_to_xyz, xyz_to_rgb
-from ..spectrum import Spectrum
+from ..model.factor_model import FactorModel
+from ..picture.coefficient_image import CoefficientImage
+from ..spectra import library
+from ..spectra.spectrum import Spectrum
 from . import encoding, lamps, luts
 
 __all__ = ["Picture", "shrunk", "write"]

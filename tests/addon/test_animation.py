@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from test_mixer import sockets
 
-from relume.addon import animation, baking, passes, setup
-from relume.core import bases
+from relume.addon.host import animation
+from relume.addon.scene import baking, setup, view_layers
+from relume.core.model import bases
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ def test_a_seed_that_another_scene_animates_is_free(room):
     other = share_action(room, "cycles.seed", 7)
     assert animation.is_animated(other, "cycles.seed") and not animation.is_animated(room, "cycles.seed")
     setup.set_up(room, bases.fitted(6))
-    assert [layer["relume_cycles_sample_offset"] for layer in passes.pass_layers(room)["ViewLayer"]][0] == 0
+    assert [layer["relume_cycles_sample_offset"] for layer in view_layers.pass_layers(room)["ViewLayer"]][0] == 0
 
 
 def strip_on(scene, path: str, value: float):

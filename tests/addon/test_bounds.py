@@ -4,8 +4,10 @@ import bpy
 import pytest
 from test_fidelity import delta_E, rgb_render
 
-from relume.addon import closures, nodes, remarks, render, setup
-from relume.core import bases
+from relume.addon.graph import closures, nodes
+from relume.addon.scene import render, setup
+from relume.addon.store import remarks
+from relume.core.model import bases
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import bpy
 import pytest
 
-from relume.addon import closures
+from relume.addon.graph import closures
 
 
 def all_nodes():

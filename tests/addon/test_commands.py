@@ -11,11 +11,14 @@ import time
 import bpy
 import pytest
 
-from relume.addon import commands, console, render, setup
-from relume.core import coefficients, results
+from relume.addon.cli import commands
+from relume.addon.host import console
+from relume.addon.scene import render, setup
+from relume.core import results
+from relume.core.picture import coefficients
 
 CHEAP = ("--channels", "3")
-COMMAND = (sys.executable, "-c", "from relume.addon.commands import main; main()")
+COMMAND = (sys.executable, "-m", "relume")
 
 
 @pytest.fixture

@@ -3,8 +3,11 @@
 import bpy
 import pytest
 
-from relume.addon import content, glass, setup, spectra
-from relume.core import fresnel, library, plan
+from relume.addon.graph import glass, spectra
+from relume.addon.scene import content, setup
+from relume.core.model import fresnel
+from relume.core.picture import plan
+from relume.core.spectra import library
 
 RED = "ColorChecker: red"
 

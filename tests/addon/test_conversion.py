@@ -4,9 +4,13 @@ import bpy
 import pytest
 from dump import changes, differences, dump
 
-from relume.addon import animation, closures, nodes, passes, remarks, render, setup, sockets, spectra
-from relume.core import bases, library
-from relume.core.spectrum import Spectrum
+from relume.addon.graph import closures, nodes, sockets, spectra
+from relume.addon.host import animation
+from relume.addon.scene import render, setup, view_layers
+from relume.addon.store import remarks
+from relume.core.model import bases
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import Spectrum
 
 CLOSURES = sorted(closures.SPECTRAL)
 MODES = {
@@ -387,7 +391,7 @@ def test_names_of_64_characters(startup):
     startup.view_layers[0].lightgroups.add(name="g" * 60)
     before = dump()
     setup.set_up(startup, bases.fitted(9))
-    layers = [layer for copies in passes.pass_layers(startup).values() for layer in copies]
+    layers = [layer for copies in view_layers.pass_layers(startup).values() for layer in copies]
     assert len(layers) == 3 and len({layer.name for layer in layers}) == 3
     setup.remove(startup)
     assert changes(before) == []

@@ -6,11 +6,16 @@ import bpy
 import numpy as np
 import pytest
 
-from relume.addon import commands, denoise, passes, remarks, render, setup
-from relume.core import bases, coefficients, measure, recombination, upsample
-from relume.core.mix import Mix
+from relume.addon.cli import commands
+from relume.addon.host import denoising
+from relume.addon.scene import render, setup, view_layers
+from relume.addon.store import remarks
+from relume.core.colour import differences
+from relume.core.model import bases, upsample
+from relume.core.picture import coefficients, recombination
+from relume.core.picture.mix import Mix
 
-pytestmark = pytest.mark.skipif(not denoise.available(), reason="this Blender has no denoiser")
+pytestmark = pytest.mark.skipif(not denoising.available(), reason="this Blender has no denoiser")
 
 
 @pytest.fixture
@@ -37,7 +42,7 @@ def denoisers(scene):
 def test_the_compositor_denoises_once_with_the_guides_of_the_first_pass(noisy):
     setup.set_up(noisy)
     (node,) = denoisers(noisy)
-    layers = passes.pass_layers(noisy)["ViewLayer"]
+    layers = view_layers.pass_layers(noisy)["ViewLayer"]
     for guide in ("Albedo", "Normal"):
         assert node.inputs[guide].links[0].from_node.layer == layers[0].name
     assert [layer.cycles.denoising_store_passes for layer in layers] == [True, False, False]
@@ -51,9 +56,9 @@ def test_every_pass_by_itself_in_the_compositor_is_what_the_command_makes(noisy,
     noisy.relume.denoise_passes = True
     assert len(denoisers(noisy)) == 3 * 2, "every light group of every pass"
     apart = composited(noisy, tmp_path / "apart.exr")
-    rendered = render.render(noisy, tmp_path, guides=denoise.guides_of(noisy))
+    rendered = render.render(noisy, tmp_path, guides=denoising.guides_of(noisy))
     lights = {row.name: row.light() for row in noisy.relume.light_groups}
-    by_command = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
+    by_command = render.picture(denoising.denoised_image(rendered.image, rendered.guides), lights)
     assert np.abs(apart - by_command).max() <= 1e-3 * by_command.max() < np.abs(apart - once).max()
     noisy.relume.light_groups["tungsten"].name = "left"
     noisy.relume.light_groups["left"].illuminant = "Sodium (low pressure)"
@@ -72,22 +77,22 @@ def test_the_compositor_follows_the_artists_choice_of_guides(noisy):
 
 def test_each_pass_by_itself_leaves_the_least_error(noisy, tmp_path):
     setup.set_up(noisy, bases.fitted(9))
-    rendered = render.render(noisy, tmp_path, guides=denoise.guides_of(noisy))
+    rendered = render.render(noisy, tmp_path, guides=denoising.guides_of(noisy))
     assert len(rendered.guides) == 3 and set(rendered.guides[0]) == {"Albedo", "Normal"}
-    assert not passes.pass_layers(noisy)["ViewLayer"][2].cycles.denoising_store_passes, "put back"
+    assert not view_layers.pass_layers(noisy)["ViewLayer"][2].cycles.denoising_store_passes, "put back"
     noisy.cycles.samples = 1500
     setup.set_up(noisy, bases.fitted(9))
     long_run = render.render(noisy, tmp_path)
     assert long_run.guides == ()
     lights = {row.name: row.light() for row in noisy.relume.light_groups}
     truth, noise = (render.picture(each.image, lights) for each in (long_run, rendered))
-    apart = render.picture(denoise.denoised_image(rendered.image, rendered.guides), lights)
-    together = denoise.denoised(noise, rendered.guides[0])
+    apart = render.picture(denoising.denoised_image(rendered.image, rendered.guides), lights)
+    together = denoising.denoised(noise, rendered.guides[0])
 
     def error(picture):
         to_xyz = upsample.rgb_to_xyz()
         white = recombination.mixed_white(bases.bands(), Mix(lights))
-        return measure.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean()
+        return differences.picture_delta_E(picture @ to_xyz.T, truth @ to_xyz.T, white).mean()
 
     assert error(apart) < error(together) < 0.6 * error(noise)
 
@@ -96,7 +101,7 @@ def test_part_empty_passes_and_negative_coefficients_stay_what_they_are():
     height, width = 24, 32
     values = np.tile(np.array([0.4, 0.8, -0.2, 0.6]), (height, width, 1)).astype(np.float32)
     image = coefficients.CoefficientImage(bases.fitted(4), {"a": values}, {}, np.ones((height, width)))
-    clean = denoise.denoised_image(image, [{}, {}]).groups["a"]
+    clean = denoising.denoised_image(image, [{}, {}]).groups["a"]
     assert clean.shape == values.shape
     # A plain picture is none to the denoiser: it dapples it by a few per cent
     assert np.allclose(np.median(clean, axis=(0, 1)), values[0, 0], atol=0.05)
@@ -120,6 +125,6 @@ def test_the_command_keeps_the_coefficients_as_they_were_rendered(noisy, tmp_pat
 
 
 def test_a_blender_without_denoiser_says_so(noisy, monkeypatch):
-    monkeypatch.setattr(denoise, "available", lambda: False)
+    monkeypatch.setattr(denoising, "available", lambda: False)
     setup.set_up(noisy)
     assert any("no denoiser" in remark.why for remark in remarks.of(noisy))

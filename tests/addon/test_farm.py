@@ -11,9 +11,12 @@ import OpenImageIO as oiio
 import pytest
 from test_render import close, composite
 
-from relume.addon import commands, describe, exr, render, setup
-from relume.core import coefficients, description, library, measure, note, recombination
+from relume.addon.cli import commands
+from relume.addon.scene import describe, exr, render, setup
+from relume.core.colour import differences
 from relume.core.errors import CoefficientImageError
+from relume.core.picture import coefficients, description, note, recombination
+from relume.core.spectra import library
 
 NAME = "Küche, 2 'a'"  # of a light group
 
@@ -112,7 +115,9 @@ def test_half_floats_cost_less_than_can_be_seen(farm):
     assert not np.array_equal(image.groups[NAME], half.groups[NAME]), "else this is not half float"
     lights = image.mix().lights
     white = recombination.mixed_white(image.model, image.mix())
-    difference = measure.picture_delta_E(coefficients.to_xyz(half, lights), coefficients.to_xyz(image, lights), white)
+    difference = differences.picture_delta_E(
+        coefficients.to_xyz(half, lights), coefficients.to_xyz(image, lights), white
+    )
     assert np.median(difference) < 0.1
 
 
@@ -290,7 +295,7 @@ def test_what_does_not_fit_comes_from_a_sidecar_of_this_very_scene(tmp_path, cap
 
 def test_a_model_of_the_scene_comes_from_a_sidecar_or_the_scene(tmp_path):
     own = [library.reflectance(f"ColorChecker: {name}") for name in ("red", "green", "blue")]
-    from relume.core import bases
+    from relume.core.model import bases
 
     scene = opened_room(bases.scene(6, own, [library.illuminant("LED-B1")]))
     blend = tmp_path / "room.blend"

@@ -5,7 +5,8 @@ from pathlib import Path
 import bpy
 import pytest
 
-from relume.addon import remarks, render, setup
+from relume.addon.scene import render, setup
+from relume.addon.store import remarks
 
 
 @pytest.fixture

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from dump import changes, dump
 
-from relume.addon import passes, render, setup
-from relume.core import bases, coefficients, measure, upsample
+from relume.addon.scene import render, setup, view_layers
+from relume.core.colour import differences
+from relume.core.model import bases, upsample
+from relume.core.picture import coefficients
 
 HERE = Path(bpy.utils.resource_path("LOCAL")) / "datafiles"
 HDRIS = sorted((HERE / "studiolights/world").glob("*.exr"))
@@ -33,7 +35,7 @@ def delta_E(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """ΔE2000 of two linear Rec.709 pictures, as bright as they are against a white of the picture's mean times five."""
     scale = 0.2 / max(b.mean(), 1e-6)
     to_xyz = upsample.rgb_to_xyz()
-    return measure.picture_delta_E(a * scale @ to_xyz.T, b * scale @ to_xyz.T, WHITE)
+    return differences.picture_delta_E(a * scale @ to_xyz.T, b * scale @ to_xyz.T, WHITE)
 
 
 def colourful(scene):
@@ -81,7 +83,7 @@ def spheres(startup):
 def test_the_preview_is_the_original(spheres, tmp_path):
     plain = rgb_render(spheres, tmp_path)
     setup.set_up(spheres, bases.fitted(9))
-    layers = passes.preview_layers(spheres)
+    layers = view_layers.preview_layers(spheres)
     for layer in spheres.view_layers:
         layer.use = layer in layers
     spheres.cycles.seed = 1

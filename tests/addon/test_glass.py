@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from dump import differences, dump
 
-from relume.addon import glass, nodes, render, setup
+from relume.addon.graph import glass, nodes
+from relume.addon.scene import render, setup
 from relume.assets.prism import LINE_WIDTH, WIDTH, build, seen_at
-from relume.core import bases, library
+from relume.core.model import bases
+from relume.core.spectra import library
 
 PIXELS = 240
 PIXEL = WIDTH / PIXELS

@@ -5,8 +5,10 @@ import pytest
 from dump import differences, dump
 from test_render import close, composite
 
-from relume.addon import exr, groups, mixer, passes, remarks, render, setup
-from relume.core import bases, coefficients
+from relume.addon.scene import exr, light_groups, render, setup, view_layers
+from relume.addon.store import mixer, remarks
+from relume.core.model import bases
+from relume.core.picture import coefficients
 
 CHOSEN = {"tungsten": "HP1", "fluorescent": "FL11"}
 
@@ -30,7 +32,7 @@ def rows(scene) -> dict:
 
 
 def rename_in_blenders_list(scene, before: str, after: str):
-    layer = next(iter(passes.pass_layers(scene).values()))[0]
+    layer = next(iter(view_layers.pass_layers(scene).values()))[0]
     layer.lightgroups[before].name = after
     assert bpy.data.objects[before].lightgroup == after, "Blender renames it in objects, too"
 
@@ -82,7 +84,7 @@ def test_a_row_that_is_solo_and_without_lights_leaves_the_others_lit(mixed):
     setup.set_up_afresh(mixed)
     assert [row.name for row in mixed.relume.light_groups] == ["fluorescent", "tungsten"]
     assert [light.gain for light in mixed.relume.lights()] == [4.0]
-    assert groups.remove_empty(mixed) == ["tungsten"]
+    assert light_groups.remove_empty(mixed) == ["tungsten"]
     assert rows(mixed) == {"fluorescent": ("FL11", 2.0)}
 
 
@@ -108,7 +110,7 @@ def test_removed_and_set_up_again_the_mixer_is_what_it_was(mixed):
     bpy.data.objects["fluorescent"].lightgroup = "new"
     setup.remove(mixed)
     setup.set_up(mixed, bases.fitted(3))
-    assert rows(mixed)["fluorescent"] == ("FL11", 2.0)
+    assert rows(mixed) == {"tungsten": ("HP1", 1.0), "new": ("FL11", 2.0)}, "one row without light, one new group"
 
 
 def test_remove_gives_back_the_order_of_the_rows(mixed):
@@ -141,7 +143,7 @@ def test_keyframes_and_drivers_stay_with_their_rows(mixed):
     assert animated() == values
     driven = {curve.data_path: curve.driver.expression for curve in mixed.animation_data.drivers}
     assert driven["relume.light_groups[1].temperature"] == "3000", "tungsten is the second row now"
-    groups.remove_empty(mixed)
+    light_groups.remove_empty(mixed)
     assert animated() == {"fluorescent": 2.0}, "what moved a row that is gone moves no other"
 
 

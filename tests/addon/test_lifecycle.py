@@ -4,8 +4,10 @@ import bpy
 import pytest
 from dump import differences, dump
 
-from relume.addon import nodes, passes, remarks, setup
-from relume.core import bases
+from relume.addon.graph import nodes
+from relume.addon.scene import setup, view_layers
+from relume.addon.store import remarks
+from relume.core.model import bases
 
 lamps_without_nodes = pytest.mark.skipif(
     bpy.app.version < (5, 1, 0), reason="Blender 5.0 cannot take back a lamp's node tree: it stays, unused"
@@ -29,24 +31,24 @@ def traces() -> list[str]:
 @pytest.mark.parametrize(
     ("function", "call"),
     [
-        ("spectra.update_all", 1),
-        ("lights.take_colors", 1),
-        ("sockets.shadings_of", 1),
-        ("nodes.insert", 1),
-        ("nodes.insert", 3),
-        ("nodes.light_group", 1),
-        ("remarks.write", 1),
-        ("passes.drive", 1),
-        ("passes.write_view", 2),
-        ("nodes.recombination_group", 1),
-        ("compositing._feed", 1),
-        ("compositing.write_matrices", 1),
+        ("graph.spectra.update_all", 1),
+        ("graph.lights.take_colors", 1),
+        ("graph.sockets.shadings_of", 1),
+        ("graph.nodes.insert", 1),
+        ("graph.nodes.insert", 3),
+        ("graph.node_groups.light_group", 1),
+        ("store.remarks.write", 1),
+        ("scene.view_layers.drive", 1),
+        ("scene.view_layers.write_view", 2),
+        ("graph.node_groups.recombination_group", 1),
+        ("scene.compositing._feed", 1),
+        ("scene.compositing.write_matrices", 1),
     ],
 )
 def test_a_failure_at_any_point_gives_the_scene_back(startup, monkeypatch, function, call):
     import importlib
 
-    module_name, name = function.split(".")
+    module_name, _, name = function.rpartition(".")
     module = importlib.import_module(f"relume.addon.{module_name}")
     real, calls = getattr(module, name), []
 
@@ -71,7 +73,7 @@ def test_undo_and_redo(startup):
     assert not bpy.context.scene.relume.is_set_up and traces() == []
     bpy.ops.ed.redo()
     scene = bpy.context.scene
-    assert scene.relume.is_set_up and passes.pass_layers(scene)
+    assert scene.relume.is_set_up and view_layers.pass_layers(scene)
     setup.remove(scene)
     assert traces() == []
 
@@ -149,10 +151,10 @@ def test_renamed_and_deleted_parts_are_no_hindrance(startup):
     for layer in startup.view_layers:
         layer.name = f"Ebene {layer.name}"
     setup.set_up(startup)
-    assert len(passes.pass_layers(startup)) == 1
+    assert len(view_layers.pass_layers(startup)) == 1
     bpy.data.objects.remove(bpy.data.objects["renamed Cube"])
     bpy.data.materials.remove(bpy.data.materials["renamed textured"])
-    startup.view_layers.remove(next(iter(passes.pass_layers(startup).values()))[-1])
+    startup.view_layers.remove(next(iter(view_layers.pass_layers(startup).values()))[-1])
     bpy.data.node_groups.remove(next(t for t in bpy.data.node_groups if t.get(nodes.ROLE) == "upsample"))
     setup.remove(startup)
     assert traces() == []
@@ -181,7 +183,7 @@ def test_several_view_layers_keep_what_they_have(startup):
     second.material_override = override
     before = dump()
     setup.set_up(startup)
-    layers = passes.pass_layers(startup)
+    layers = view_layers.pass_layers(startup)
     assert set(layers) == {first.name, "second"}
     for copy in layers["second"]:
         assert copy.material_override == override

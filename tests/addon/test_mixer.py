@@ -10,9 +10,13 @@ import pytest
 from dump import differences, dump
 from test_render import close, composite, read_exr
 
-from relume.addon import baking, compositing, exr, groups, mixer, nodes, render, setup
-from relume.core import bases, coefficients, library, mixing, recombination, sequences
-from relume.core.mix import Light, Mix
+from relume.addon.graph import node_groups
+from relume.addon.scene import baking, compositing, exr, light_groups, render, setup
+from relume.addon.store import mixer
+from relume.core.model import bases
+from relume.core.picture import coefficients, mixing, recombination, sequences
+from relume.core.picture.mix import Light, Mix
+from relume.core.spectra import library
 
 
 @pytest.fixture
@@ -25,7 +29,7 @@ def ready(room):
 def sockets(scene) -> np.ndarray:
     """(groups, p, 3) numbers in the recombination."""
     tree = compositing.recombinations(scene)[0].node_tree
-    values = np.array([socket.default_value for socket in nodes.matrix_sockets(tree)])
+    values = np.array([socket.default_value for socket in node_groups.matrix_sockets(tree)])
     return values.reshape(len(scene.relume.light_groups), -1, 3)
 
 
@@ -158,22 +162,22 @@ def test_renaming_a_group_keeps_its_members_and_its_picture(ready, tmp_path):
 def test_groups_by_light_and_by_collection(ready):
     tungsten = ready.relume.light_groups["tungsten"]
     tungsten.stops, tungsten.illuminant = 1.5, "HP1"
-    assert groups.regroup(ready, "COLLECTION") == 1
-    assert groups.regroup(ready, "LIGHT") == 2
+    assert light_groups.regroup(ready, "COLLECTION") == 1
+    assert light_groups.regroup(ready, "LIGHT") == 2
     assert {row.name for row in ready.relume.light_groups} == {"tungsten", "fluorescent"}
     assert all((row.illuminant, row.stops) == ("HP1", 1.5) for row in ready.relume.light_groups)
-    assert groups.regroup(ready, "ILLUMINANT") == 1, "what shines alike shares a group"
+    assert light_groups.regroup(ready, "ILLUMINANT") == 1, "what shines alike shares a group"
     assert np.allclose(sockets(ready), expected(ready, ready.relume.lights()), atol=1e-5)
 
 
 def test_a_group_without_lights_is_offered_for_removal(ready):
-    assert groups.empty(ready) == []
-    assert groups.add(ready, "fluorescent", [bpy.data.objects["tungsten"]]) == 1
+    assert light_groups.empty(ready) == []
+    assert light_groups.add(ready, "fluorescent", [bpy.data.objects["tungsten"]]) == 1
     assert [row.name for row in ready.relume.light_groups] == ["fluorescent"]
     ready.relume.light_groups[0].stops = 1.0
     bpy.data.objects["tungsten"].lightgroup = bpy.data.objects["fluorescent"].lightgroup = "new"
-    assert groups.empty(ready) == ["fluorescent"]
-    assert groups.remove_empty(ready) == ["fluorescent"]
+    assert light_groups.empty(ready) == ["fluorescent"]
+    assert light_groups.remove_empty(ready) == ["fluorescent"]
     assert [row.name for row in ready.relume.light_groups] == ["new"]
 
 
@@ -280,7 +284,7 @@ def test_removing_while_comparing_gives_the_room_back(room):
 def test_write_to_lights_makes_the_mix_the_lighting(ready, tmp_path):
     ready.relume.light_groups["tungsten"].stops = -1.0
     mixed = composite(ready, tmp_path / "a.exr")
-    assert groups.write_gains(ready) == []
+    assert light_groups.write_gains(ready) == []
     assert ready.relume.light_groups["tungsten"].stops == 0.0
     lit = composite(ready, tmp_path / "b.exr")
     assert abs(lit.mean() / mixed.mean() - 1.0) < 0.05
@@ -325,7 +329,7 @@ def test_an_exr_of_other_groups_is_refused_and_nothing_changes(ready, tmp_path):
 
 
 def test_the_relight_command_takes_sequences_and_goes_on_where_it_was_stopped(ready, tmp_path, capfd):
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     image = render.render(ready, tmp_path).image
     picture = render.picture(image, dict(zip(image.groups, ready.relume.lights(), strict=True)))

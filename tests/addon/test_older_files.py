@@ -9,7 +9,8 @@ import pytest
 from dump import differences, dump
 from test_mixer import sockets
 
-from relume.addon import mixer, passes, schema, setup
+from relume.addon.scene import setup, view_layers
+from relume.addon.store import mixer, schema
 
 DATA = Path(__file__).parents[1] / "data"
 
@@ -54,7 +55,7 @@ def test_a_scene_of_0_1_0_is_set_up_again(old):
     chosen = mixer.choices(old.relume)
     setup.set_up_afresh(old)
     assert mixer.choices(old.relume) == chosen
-    assert len(passes.pass_layers(old)["ViewLayer"]) == 2 and len(old.relume.lit) == 3
+    assert len(view_layers.pass_layers(old)["ViewLayer"]) == 2 and len(old.relume.lit) == 3
     assert old["relume_version"] == schema.VERSION
 
 

@@ -9,9 +9,12 @@ import bpy
 import numpy as np
 import pytest
 
-from relume.addon import render, setup
-from relume.core import bases, coefficients, library, recombination, spaces
-from relume.core.mix import Mix
+from relume.addon.scene import render, setup
+from relume.core.colour import spaces
+from relume.core.model import bases
+from relume.core.picture import coefficients, recombination
+from relume.core.picture.mix import Mix
+from relume.core.spectra import library
 
 
 def read_exr(path: Path, prefix: str = "") -> np.ndarray:
@@ -142,7 +145,7 @@ def test_an_rgb_scene_under_daylight_keeps_its_colours(startup, tmp_path):
 def test_gold_reflects_as_its_complex_index_says(tmp_path):
     """A mirror of gold in a white furnace, against Fresnel's equations integrated over the spectrum at 1 nm."""
     model = bases.fitted(9)
-    from relume.core import fresnel
+    from relume.core.model import fresnel
 
     n, k = library.conductor("gold")
     fine = np.arange(380.0, 781.0)
@@ -154,7 +157,7 @@ def test_gold_reflects_as_its_complex_index_says(tmp_path):
 
 @pytest.mark.parametrize("arguments", [["--channels", "6"], ["--channels", "9", "--frame", "3-4"]])
 def test_the_render_command(room, tmp_path, arguments):
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     scene = tmp_path / "little.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
@@ -198,7 +201,7 @@ def test_the_render_command(room, tmp_path, arguments):
     ],
 )
 def test_bad_input_is_one_line(room, tmp_path, monkeypatch, capfd, arguments, status, words):
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     monkeypatch.chdir(tmp_path)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "little.blend"))
@@ -219,7 +222,7 @@ def test_a_disk_that_fills_up_leaves_no_partial_files(room, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(scene))
     script = (
         "import resource\n"
-        "from relume.addon.commands import main\n"
+        "from relume.__main__ import main\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
         f"main(['render', {str(scene)!r}, '--out', {str(out)!r}])\n"
     )

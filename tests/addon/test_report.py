@@ -8,7 +8,9 @@ import types
 import bpy
 import pytest
 
-from relume.addon import background, commands, left_out, setup
+from relume.addon.cli import background, commands
+from relume.addon.scene import setup
+from relume.addon.ui import left_out
 
 ARGUMENTS = ("--channels", "6", "--models", "rgb", "fitted", "--samples", "4", "--percent", "6")
 
@@ -75,7 +77,7 @@ def test_a_killed_report_leaves_nothing_that_a_rerun_does_not_mend(reported, tmp
     arguments, folder = reported
     expected = {path.name: path.read_bytes() for path in folder.rglob("*.exr")}
     other = tmp_path / "other"
-    command = "from relume.addon.commands import main; main()"
+    command = "from relume.__main__ import main; main()"
     for passes in (1, 3, 8):
         process = subprocess.Popen(
             [sys.executable, "-c", command, *arguments[:-1], str(other)], stderr=subprocess.PIPE, text=True

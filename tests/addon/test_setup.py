@@ -7,8 +7,8 @@ import pytest
 from dump import differences, dump
 from mathutils import Color
 
-from relume.addon import passes, render, render_settings, setup
-from relume.core import bases
+from relume.addon.scene import render, render_settings, setup, view_layers
+from relume.core.model import bases
 
 lamps_without_nodes = pytest.mark.xfail(
     bpy.app.version < (5, 1, 0), reason="Blender 5.0 cannot take back a lamp's node tree: it stays, unused", strict=True
@@ -43,7 +43,7 @@ def test_setting_up_twice_is_setting_up_once(startup):
 
 def test_undo_after_set_up_leaves_a_scene_that_can_be_removed(room):
     setup.set_up(room)
-    assert [layer.name for layer in passes.pass_layers(room)["ViewLayer"]] == [f"ViewLayer {k}" for k in (1, 2, 3)]
+    assert [layer.name for layer in view_layers.pass_layers(room)["ViewLayer"]] == [f"ViewLayer {k}" for k in (1, 2, 3)]
     assert not room.view_layers["ViewLayer"].use
 
 
@@ -53,7 +53,7 @@ def test_passes_render_disjoint_parts_of_one_sequence(room, tmp_path):
     setup.set_up(room)
     rendered = render.render(room, tmp_path)
     assert sum(times["samples"] for times in rendered.times.values()) == 48
-    layers = passes.pass_layers(room)["ViewLayer"]
+    layers = view_layers.pass_layers(room)["ViewLayer"]
     ends = [0]
     for layer in layers:
         assert layer["relume_cycles_sample_offset"] == ends[-1] and layer.samples == 48
@@ -70,7 +70,7 @@ def test_cycles_takes_the_samples_of_each_pass(room):
     bpy.app.handlers.render_stats.append(hear := lambda words, _: seen.append(words))
     bpy.ops.render.render(scene=room.name)
     bpy.app.handlers.render_stats.remove(hear)
-    counts = [passes.samples_of(layer, room) for layer in passes.pass_layers(room)["ViewLayer"]]
+    counts = [view_layers.samples_of(layer, room) for layer in view_layers.pass_layers(room)["ViewLayer"]]
     taken = [int(found[1]) for words in seen if (found := re.search(r"Sample 0/(\d+)", words or ""))]
     assert taken == counts and len(set(counts)) > 1
 
@@ -90,9 +90,9 @@ def test_a_subset_that_the_artist_renders_is_dealt_out(room):
     room.cycles.sample_offset, room.cycles.sample_subset_length = 70, 50
     before = dump()
     setup.set_up(room)
-    layers = passes.pass_layers(room)["ViewLayer"]
+    layers = view_layers.pass_layers(room)["ViewLayer"]
     assert layers[0]["relume_cycles_sample_offset"] == 70
-    assert sum(passes.samples_of(layer, room) for layer in layers) == 30
+    assert sum(view_layers.samples_of(layer, room) for layer in layers) == 30
     setup.remove(room)
     assert differences(before, dump()) == []
 
@@ -100,16 +100,16 @@ def test_a_subset_that_the_artist_renders_is_dealt_out(room):
 def test_passes_that_are_not_shared_take_the_scenes_samples_with_seeds_of_their_own(room):
     room.relume.split_samples = False
     setup.set_up(room)
-    layers = passes.pass_layers(room)["ViewLayer"]
+    layers = view_layers.pass_layers(room)["ViewLayer"]
     room.cycles.samples = 11
-    assert [passes.samples_of(layer, room) for layer in layers] == [11, 11, 11]
+    assert [view_layers.samples_of(layer, room) for layer in layers] == [11, 11, 11]
     assert [layer["relume_cycles_seed"] for layer in layers] == [0, 1, 2]
 
 
 def test_changing_channels_rebuilds_the_passes(room):
     setup.set_up(room, bases.fitted(9))
     setup.set_up(room, bases.fitted(12))
-    assert len(passes.pass_layers(room)["ViewLayer"]) == 4
+    assert len(view_layers.pass_layers(room)["ViewLayer"]) == 4
 
 
 def test_an_artists_compositing_is_kept_and_fed(room):
@@ -149,7 +149,7 @@ def test_a_failure_part_way_gives_the_scene_back(startup, monkeypatch):
     def fail(*_):
         raise RuntimeError("part-way")
 
-    monkeypatch.setattr("relume.addon.compositing.add", fail)
+    monkeypatch.setattr("relume.addon.scene.compositing.add", fail)
     with pytest.raises(RuntimeError, match="part-way"):
         setup.set_up(startup)
     assert differences(before, dump()) == []

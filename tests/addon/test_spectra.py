@@ -3,8 +3,11 @@
 import bpy
 import pytest
 
-from relume.addon import material_panel, nodes, setup, spectra
-from relume.core import bases, library
+from relume.addon.graph import nodes, spectra
+from relume.addon.scene import setup
+from relume.addon.ui import material_panel
+from relume.core.model import bases
+from relume.core.spectra import library
 
 
 @pytest.fixture

@@ -8,9 +8,10 @@ import bpy
 import numpy as np
 import pytest
 
-from relume.addon import commands, exr
+from relume.addon.cli import commands
+from relume.addon.scene import exr
 from relume.core import bases, coefficients, library
-from relume.core.coefficient_image import CoefficientImage
+from relume.core.picture.coefficient_image import CoefficientImage
 
 FEW = ("--lamps", "D65", "A")
 

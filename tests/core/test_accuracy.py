@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from relume.core import Spectrum, bases, library
-from relume.core.spectrum import WAVELENGTHS
+from relume.core import Spectrum
+from relume.core.model import bases
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import WAVELENGTHS
 
 from .conftest import bounces, difference, tristimulus
 

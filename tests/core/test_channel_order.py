@@ -5,7 +5,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from relume.core import bases, channel_order, library, relight, spaces
+from relume.core.colour import spaces
+from relume.core.model import bases, channel_order, relight
+from relume.core.spectra import library
 
 
 def luminance_shares(model, light):

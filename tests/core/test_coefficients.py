@@ -7,7 +7,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
-from relume.core import bases, coefficients, library
+from relume.core.model import bases
+from relume.core.picture import coefficients
+from relume.core.spectra import library
 
 
 @pytest.fixture

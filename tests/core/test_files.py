@@ -5,7 +5,8 @@ import os
 import numpy as np
 import pytest
 
-from relume.core import Spectrum, SpectrumError, files
+from relume.core import Spectrum, SpectrumError
+from relume.core.spectra import files
 
 
 @pytest.fixture

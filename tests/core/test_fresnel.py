@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, fresnel, library
+from relume.core.model import bases, fresnel
+from relume.core.spectra import library
 
 
 def complex_fresnel(n, k, cosine):

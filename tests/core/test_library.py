@@ -5,8 +5,8 @@ import colour
 import numpy as np
 import pytest
 
-from relume.core import library
-from relume.core.library import LibraryError
+from relume.core.spectra import library
+from relume.core.spectra.library import LibraryError
 
 
 def test_importing_core_loads_no_heavy_library():

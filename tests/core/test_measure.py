@@ -2,8 +2,8 @@ import colour
 import numpy as np
 import pytest
 
-from relume.core import measure
-from relume.core.relight import local_metric
+from relume.core.colour import differences
+from relume.core.model.relight import local_metric
 
 WHITE = np.array([0.95, 1.0, 1.09])
 
@@ -18,9 +18,9 @@ def pairs():
 def test_colour_differences_agree_with_colour_science(pairs):
     labs = [colour.XYZ_to_Lab(xyz, colour.XYZ_to_xy(WHITE)) for xyz in pairs]
     for function, method in (
-        (measure.delta_E_1976, "CIE 1976"),
-        (measure.delta_E_1994, "CIE 1994"),
-        (measure.delta_E_2000, "CIE 2000"),
+        (differences.delta_E_1976, "CIE 1976"),
+        (differences.delta_E_1994, "CIE 1994"),
+        (differences.delta_E_2000, "CIE 2000"),
     ):
         np.testing.assert_allclose(function(*pairs, WHITE), colour.delta_E(*labs, method=method), atol=1e-9)
 
@@ -29,11 +29,11 @@ def test_local_metric_is_the_limit_of_small_differences(pairs):
     xyz = pairs[0]
     step = np.random.default_rng(1).normal(0, 1e-5, xyz.shape)
     length = np.linalg.norm(np.einsum("nij,nj->ni", local_metric(xyz, WHITE), step), axis=1)
-    np.testing.assert_allclose(length, measure.delta_E_2000(xyz, xyz + step, WHITE), rtol=2e-3)
+    np.testing.assert_allclose(length, differences.delta_E_2000(xyz, xyz + step, WHITE), rtol=2e-3)
 
 
 def test_statistics():
-    values = measure.statistics(np.arange(101.0))
+    values = differences.statistics(np.arange(101.0))
     assert values == {"median": 50, "p90": 90, "p98": 98, "p99": 99, "max": 100}
     with pytest.raises(ValueError, match="no values"):
-        measure.statistics([])
+        differences.statistics([])

@@ -5,8 +5,10 @@ from dataclasses import FrozenInstanceError, replace
 import numpy as np
 import pytest
 
-from relume.core import bases, library, recombination
-from relume.core.mix import Light, Mix
+from relume.core.model import bases
+from relume.core.picture import recombination
+from relume.core.picture.mix import Light, Mix
+from relume.core.spectra import library
 
 
 def test_a_mix_does_not_change_with_what_it_was_made_of():

@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relume.core import bases, drawing, inspection, library, mixing, recombination, sequences
-from relume.core.mix import Light, Mix
-from relume.core.spectrum import SpectrumError
+from relume.core.model import bases
+from relume.core.picture import drawing, inspection, mixing, recombination, sequences
+from relume.core.picture.mix import Light, Mix
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import SpectrumError
 
 
 @given(st.integers(3, 12), st.floats(0, 2 * np.pi), st.floats(0, 3))

@@ -5,9 +5,11 @@ import json
 import numpy as np
 import pytest
 
-from relume.core import bases, channel_order, coefficients, description, library, note
 from relume.core.errors import CoefficientImageError
-from relume.core.rules import Fitted
+from relume.core.model import bases, channel_order
+from relume.core.model.rules import Fitted
+from relume.core.picture import coefficients, description, note
+from relume.core.spectra import library
 
 
 def of(groups: int, model=None, **chosen) -> note.Note:

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, library, measure, plan, relight, rules
-from relume.core.spectrum import WAVELENGTHS
+from relume.core.colour import differences
+from relume.core.model import bases, relight, rules
+from relume.core.picture import plan
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import WAVELENGTHS
 
 ROOM = ("red", "blue", "neutral 8 (.23 D)", "blue flower", "green")
 
@@ -75,7 +78,7 @@ def test_prediction_agrees_with_full_spectra():
         for each in content.lights:
             weights = relight.power_weights(each.sampled(), library.observer())
             seen = pixels(model.coefficients(spectra)) @ model.relight(each).T
-            found = measure.picture_delta_E(seen, pixels(spectra) @ weights, weights.sum(axis=0))
+            found = differences.picture_delta_E(seen, pixels(spectra) @ weights, weights.sum(axis=0))
             measured.append(np.percentile(found, 98))
         predicted, _ = plan.predict(model, content)
         assert predicted == pytest.approx(max(measured), rel=0.4)

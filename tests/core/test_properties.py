@@ -7,9 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from scipy.integrate import trapezoid
 
-from relume.core import FactorModel, Spectrum, SpectrumError, bases, library, measure, upsample
-from relume.core.factor_model import ModelError
-from relume.core.spectrum import WAVELENGTHS
+from relume.core import FactorModel, Spectrum, SpectrumError
+from relume.core.colour import differences
+from relume.core.model import bases, upsample
+from relume.core.model.factor_model import ModelError
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import WAVELENGTHS
 
 from .conftest import tristimulus
 
@@ -170,4 +173,4 @@ def test_every_srgb_colour_comes_back(rgb, channels):
     assert coefficients.min() >= -0.002 and coefficients.max() <= 1.002
     light = library.illuminant("D65")
     truth = upsample.rgb_to_xyz() @ rgb
-    assert measure.delta_E_2000(model.relight(light) @ coefficients, truth, model.relight(light).sum(axis=1)) < 0.01
+    assert differences.delta_E_2000(model.relight(light) @ coefficients, truth, model.relight(light).sum(axis=1)) < 0.01

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from relume.core import bases, channel_order, library, sampling
-from relume.core.mix import Light
+from relume.core.model import bases, channel_order
+from relume.core.picture import sampling
+from relume.core.picture.mix import Light
+from relume.core.spectra import library
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 48, 4096])

@@ -10,8 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from relume.core import FactorModel, bases, library
+from relume.core import FactorModel
 from relume.core.errors import ModelError
+from relume.core.model import bases
+from relume.core.spectra import library
 
 # {name: {"model": what `to_dict` gave in 0.1.0, "relight": {illuminant: matrix}}}
 SAVED = json.loads(gzip.decompress((Path(__file__).parent / "data" / "models_0_1_0.json.gz").read_bytes()))

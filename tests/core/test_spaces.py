@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from colour.adaptation import CAT_BRADFORD, CAT_SHARP
 
-from relume.core import library, spaces
+from relume.core.colour import spaces
+from relume.core.spectra import library
 
 THEIRS = {"Linear Rec.709": "ITU-R BT.709", "Linear Rec.2020": "ITU-R BT.2020", "ACEScg": "ACEScg"}
 

@@ -6,7 +6,9 @@ import re
 import numpy as np
 import pytest
 
-from relume.core import bases, library, stability
+from relume.core.model import bases
+from relume.core.spectra import library
+from relume.studies import stability
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,11 @@ import sys
 import numpy as np
 import pytest
 
-from relume.core import Spectrum, bases, experiments, library, tables
-from relume.core.spectrum import WAVELENGTHS
+from relume.core import Spectrum
+from relume.core.model import bases
+from relume.core.spectra import library
+from relume.core.spectra.spectrum import WAVELENGTHS
+from relume.studies import experiments, tables
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +75,8 @@ def test_command_names_what_it_cannot_read(tmp_path, capsys):
 def test_command_ends_quietly_when_nobody_reads():
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run([sys.executable, "-m", "relume.core.tables"], stdout=write, stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "relume.studies.tables"], stdout=write, stderr=subprocess.PIPE, text=True
+    )
     os.close(write)
     assert done.returncode == 1 and done.stderr == ""

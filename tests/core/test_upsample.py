@@ -2,8 +2,9 @@ import colour
 import numpy as np
 import pytest
 
-from relume.core import bases, library, upsample
-from relume.core.factor_model import ModelError
+from relume.core.model import bases, upsample
+from relume.core.model.factor_model import ModelError
+from relume.core.spectra import library
 
 from .conftest import difference, tristimulus
 

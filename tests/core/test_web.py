@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from relume.core import bases, library, measure, mixing, spaces
-from relume.core.coefficient_image import CoefficientImage
+from relume.core import bases, library, measure, spaces
 from relume.core.errors import LibraryError, MeasureError, ResultError, UsageError
-from relume.core.recombination import relight_matrix
+from relume.core.picture import mixing
+from relume.core.picture.coefficient_image import CoefficientImage
+from relume.core.picture.recombination import relight_matrix
 from relume.core.web import encoding, lamps, luts, page
 
 SOME = ("D65", "A", "FL2", "LED-RGB1", "Sodium (low pressure)")

@@ -12,8 +12,10 @@ from pathlib import Path
 import bpy
 
 import relume
-from relume.addon import glass, setup, spectra
-from relume.core import bases, library
+from relume.addon.graph import glass, spectra
+from relume.addon.scene import setup
+from relume.core.model import bases
+from relume.core.spectra import library
 
 HERE = Path(__file__).parent
 

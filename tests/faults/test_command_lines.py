@@ -5,8 +5,11 @@ import os
 import numpy as np
 import pytest
 
-from relume.core import bases, coefficients, library, spaces
-from relume.core.mix import Light
+from relume.core.colour import spaces
+from relume.core.model import bases
+from relume.core.picture import coefficients
+from relume.core.picture.mix import Light
+from relume.core.spectra import library
 
 from . import grammar, outcome
 
@@ -18,7 +21,7 @@ GROUPS = {"tungsten": "A", "Röhre 2": "FL2"}
 @pytest.fixture
 def run(relume, capfd):
     """Run `relume` with arguments in this process, in the current folder, and return how it ended."""
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     def execute(*arguments) -> outcome.Ended:
         capfd.readouterr()

@@ -52,8 +52,9 @@ def _results(folder: Path) -> dict:
     for name, data in found.items():
         if name == "summary.json":
             found[name] = json.loads(data)
-            for frame in found[name]["frames"]:
-                frame.pop("seconds")
+            for noted in (found[name], *found[name]["frames"]):
+                noted.pop("seconds", None)
+                noted["scene"] = Path(noted["scene"]).name
     if "report.json" in found:  # times, and what is drawn of them
         return {name: data for name, data in found.items() if name.startswith("renders/") and name.endswith(".exr")}
     return found

@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from relume.core import SpectrumError, files
+from relume.core import SpectrumError
+from relume.core.spectra import files
 
 SCALE = float(os.environ.get("RELUME_TORTURE", "1"))
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from relume.core import coefficients
+from relume.core.picture import coefficients
 
 from . import outcome
 

@@ -234,6 +234,28 @@ def steps():
     assert list(pictures) == [name]
 
 
+def test_a_row_without_lights_says_so_until_it_is_removed(window):
+    pictures = window(
+        STEPS
+        + """
+def steps():
+    scene = bpy.context.scene
+    groups()["tungsten"].stops = 1.0
+    bpy.data.objects["tungsten"].lightgroup = "fluorescent"
+    bpy.ops.relume.set_up()
+    assert [row.name for row in groups()] == ["fluorescent", "tungsten"]
+    yield from layout()
+    yield "without.png"
+    bpy.ops.relume.remove_empty_groups()
+    yield
+    assert [row.name for row in groups()] == ["fluorescent"]
+    yield "removed.png"
+""",
+        ROOM,
+    )
+    assert set(pictures) == {"without.png", "removed.png"}
+
+
 def test_the_render_that_is_there_becomes_a_web_page(window, tmp_path):
     pictures = window(
         STEPS

@@ -43,7 +43,7 @@ def steps():
     yield from scroll_down()
     yield "left_out.png"
     assert bpy.ops.relume.report(percent=10, samples=4, folder=FOLDER) == {"FINISHED"}
-    report = sys.modules["bl_ext.user_default.relume.addon.background"].current()
+    report = sys.modules["bl_ext.user_default.relume.addon.cli.background"].current()
     while report.is_running and report.part < 0.3:
         yield
     yield "report_running.png"

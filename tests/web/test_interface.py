@@ -13,8 +13,8 @@ import pytest
 from conftest import HOSTILE
 
 from relume.core import coefficients, library, spaces
-from relume.core.mix import Light
-from relume.core.recombination import recombination_matrices
+from relume.core.picture.mix import Light
+from relume.core.picture.recombination import recombination_matrices
 from relume.core.web import page
 
 ENTER, RIGHT, DOWN, ESCAPE = "\ue007", "\ue014", "\ue015", "\ue00c"
@@ -128,7 +128,7 @@ def test_wipe_snapshots_keys_and_the_spectrum(browser, chart, chart_page):
     browser.wait("return document.getElementById('reading').textContent.includes('nm')")
     reading = browser.run("return document.getElementById('reading').textContent")
     x, y = (int(each) for each in reading.partition(":")[0].split(","))
-    from relume.core.recombination import color_of
+    from relume.core.picture.recombination import color_of
 
     xyz = color_of(chart.model, chart.mix(), [each[y, x] for each in chart.groups.values()])
     shown = [float(part.split()[1]) for part in reading.partition(":")[2].split(",")[:3]]

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from relume.core import coefficients, exr, measure, spaces
+from relume.core import coefficients, measure, spaces
+from relume.core.picture import exr
 
 pytest.importorskip("bpy", reason="`relume relight` needs bpy")
 ROOM = Path(__file__).resolve().parents[2] / "assets" / "room.blend"
@@ -15,7 +16,7 @@ LAMPS = ("D65", "A", "FL2", "FL11", "LED-B3", "LED-RGB1", "HP1", "Sodium (low pr
 
 
 def relume_command(*words):
-    from relume.addon import commands
+    from relume.addon.cli import commands
 
     assert commands.execute([str(word) for word in words]) == 0
 
@@ -107,7 +108,7 @@ def test_highlights_come_back_four_stops_down(browser, chart, chart_page):
     browser.open(chart_page)
     browser.run("say('exposure=-4')")
     mix = chart.mix()
-    from relume.core.recombination import recombination_matrices
+    from relume.core.picture.recombination import recombination_matrices
 
     linear = coefficients.recombine(list(chart.groups.values()), recombination_matrices(chart.model, mix))
     assert linear[50:60, 90:102].max() > 4.0

@@ -1,0 +1,87 @@
+"""The command line: `relume …` in a Python environment with bpy, `blender -b SCENE.blend -c relume …` in Blender.
+
+Exit status: 0 done, 1 failed with one line that says what and where, 2 wrong usage, 128 + n stopped by signal n.
+"""
+
+import argparse
+import importlib
+
+import bpy
+
+from ...core.errors import RelumeError
+from ..host import console
+from ..host.blend_file import first_line, located, open_scene
+from . import arguments
+
+__all__ = ["blender_command", "execute", "register", "unregister"]
+
+
+def _run(told: argparse.Namespace):
+    from ...studies import figures
+    from ..scene import describe
+    from . import demo, jobs, report, web
+
+    if getattr(told, "scene", None) is not None:
+        open_scene(located(told.scene))
+    if told.out is not None:
+        told.out = located(told.out)
+    if told.command == "render":
+        jobs.render_scene(bpy.context.scene, told)
+    elif told.command == "relight":
+        told.coefficients, told.described = located(told.coefficients), None
+        if told.blend is not None:
+            open_scene(located(told.blend))
+            told.described = describe.of_open_file()
+        jobs.relight_file(told)
+    elif told.command == "describe":
+        jobs.describe_scene(told.out)
+    elif told.command == "web":
+        web.run(told)
+    elif told.command == "report":
+        report.run(told)
+    else:
+        if not figures.available():
+            raise RelumeError("relume demo draws with matplotlib, which this Python lacks: see the README")
+        demo.run(told.out)
+
+
+def execute(argv: list[str], in_blender: bool = False) -> int:
+    """Run one command; returns the exit status."""
+    try:
+        console.start_log()
+        with console.stoppable(), console.apart():
+            if argv and argv[0] in arguments.REPORTS:
+                return importlib.import_module(f"...studies.{argv[0]}", __package__).main(argv[1:])
+            _run(arguments.parse(argv, in_blender))
+    except SystemExit as stop:  # argparse has said why
+        return stop.code or 0
+    except RelumeError as error:
+        console.fail(str(error))
+        return 1
+    except OSError as error:
+        console.fail(f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error))
+        return 1
+    except KeyboardInterrupt:
+        console.fail("stopped")
+        return 130
+    except Exception as error:
+        console.LOG.debug("unexpected", exc_info=True)
+        console.fail(f"unexpected {type(error).__name__}: {first_line(error)} (RELUME_LOG=debug tells where)")
+        return 1
+    return 0
+
+
+def blender_command(argv: list[str]) -> int:
+    """Entry point of `blender -c relume`."""
+    return execute(argv, in_blender=True)
+
+
+_registered = []
+
+
+def register():
+    _registered.append(bpy.utils.register_cli_command("relume", blender_command))
+
+
+def unregister():
+    bpy.utils.unregister_cli_command(_registered.pop())

@@ -1,0 +1,298 @@
+"""What the commands do: render a scene into files, relight a file."""
+
+import hashlib
+import json
+import os
+import sys
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+
+import bpy
+
+from ...core import results
+from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
+from ...core.picture import coefficients, description, sequences
+from ...core.picture.mix import GAINS, Light
+from ...core.spectra import library
+from ..host import console, denoising
+from ..scene import describe, render, setup
+from . import arguments
+
+__all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
+
+_LONGEST = 100  # bytes of a name within a file's; file systems end at 255
+
+
+def _prepare(scene, channels: str | None, samples: int | None):
+    if samples is not None:
+        scene.cycles.samples = samples
+    settings = scene.relume
+    settings.channels = channels or settings.channels
+    if samples is None and settings.is_set_up and settings.request == settings.plan.get("request"):
+        return
+    setup.set_up(scene)
+
+
+def _choose_illuminants(scene, chosen: list[str]) -> list[str]:
+    """Put GROUP=NAME into the scene's mixer; returns the plain names. Raises LibraryError, SetupError."""
+    plain = []
+    for text in chosen:
+        group, equals, name = text.rpartition("=")
+        library.illuminant(name)
+        if not equals:
+            plain.append(name)
+            continue
+        names = [row.name for row in scene.relume.lit]
+        if group not in names:
+            raise SetupError(f"scene {scene.name!r} has no light group {group!r}; it has {', '.join(names)}")
+        scene.relume.light_groups[group].source = "LIBRARY"
+        scene.relume.light_groups[group].illuminant = name
+    return plain
+
+
+def file_name(text: str) -> str:
+    """A name as part of a file's: without what some file systems forbid, and not too long for any."""
+    name = "".join("-" if c in '/\\:*?"<>|' or not c.isprintable() else c for c in text).replace(" ", "_")
+    if len(name.encode()) <= _LONGEST:
+        return name
+    short = name.encode()[: _LONGEST - 9].decode(errors="ignore")
+    return f"{short}-{hashlib.sha1(name.encode()).hexdigest()[:8]}"
+
+
+def render_scene(scene, told):
+    """`relume render`: for each frame the coefficient EXR and a picture for each illuminant; then summary.json."""
+    if told.out.suffix.lower() in render.FORMATS and not told.out.is_dir():
+        raise UsageError(f"{told.out}: expected a folder; the scene and the illuminants name the pictures")
+    _prepare(scene, told.channels, told.samples)
+    plain = _choose_illuminants(scene, told.illuminant)
+    stem = Path(bpy.data.filepath).stem or "untitled"
+    if scene.relume.plan.get("reason"):
+        console.say(scene.relume.plan["reason"])
+    if scene.cycles.use_denoising and not denoising.available():
+        console.say("this Blender has no denoiser; the pictures keep their noise")
+    with results.folder(told.out) as folder:
+        for frame in [scene.frame_current] if told.frame is None else told.frame:
+            name = stem if told.frame is None else f"{stem}_{frame:04d}"
+            _claim_frame(scene, folder, name, plain, frame, told.resume)
+        console.wrote(folder / "summary.json")
+
+
+def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool):
+    """Render a frame, unless it is there or another process is at it and both may be left as they are."""
+    scene.frame_set(frame)
+    exr = folder / f"{name}.exr"
+    pictures = {label: folder / f"{name}_{file_name(label)}.png" for label in plain or [_own_mix(scene)]}
+    if len({path.name.casefold() for path in pictures.values()}) < len(pictures):
+        raise UsageError(f"{', '.join(pictures)}: two of these illuminants would give pictures of one name")
+    for path in (exr, *pictures.values(), folder / "summary.json"):
+        results.expect(path)
+
+    def wait():
+        console.say(f"{exr}: another process renders this frame; waiting for it to end")
+
+    with results.claim(exr, None if resume else wait) as claimed:
+        if not claimed:
+            console.say(f"{exr}: another process renders this frame; skipped")
+        elif resume and _is_whole(scene, exr, pictures.values()):
+            console.say(f"{exr}: kept")
+        else:
+            _render_frame(scene, exr, pictures, bool(plain), frame)
+
+
+def _own_mix(scene) -> str:
+    return "+".join(dict.fromkeys(row.label for row in scene.relume.lit))
+
+
+def _is_whole(scene, exr: Path, pictures) -> bool:
+    """Whether a frame is there, newer than the .blend, of as many channels as asked for, and can be read."""
+    blend = Path(bpy.data.filepath)
+    if not all(_is_newer(path, blend) for path in (exr, *pictures)):
+        return False
+    try:
+        for path in pictures:
+            coefficients.read_rgb(path)
+        return coefficients.read(exr).model.to_dict() == scene.relume.model().to_dict()
+    except CoefficientImageError as error:
+        console.say(f"{error}; rendered again")
+        return False
+
+
+def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int):
+    """Render the current frame; names: {illuminant: its picture}. All files appear at the end, or none."""
+    progress = console.Progress(scene.relume.model().passes, f"rendering {exr.stem}")
+    denoises = scene.cycles.use_denoising and denoising.available()
+    try:
+        rendered = render.render(scene, exr.parent, progress, denoising.guides_of(scene) if denoises else None)
+    finally:
+        progress.done()
+    image = rendered.image
+    lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
+    mixes = dict.fromkeys(names, lights)
+    if plain:
+        # The scene's own mix is a picture of its own only where the caller asked for no other
+        mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in names}
+    clean = denoising.denoised_image(image, rendered.guides, denoising.prefilter_of(scene)) if denoises else image
+    written = [exr, *names.values()]
+    summary = exr.with_name("summary.json")
+    record = {
+        "frame": frame,
+        "scene": bpy.data.filepath,
+        "channels": image.model.channels,
+        "size": list(image.size),
+        "samples": {layer: times["samples"] for layer, times in rendered.times.items()},
+        "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
+        "light_groups": {group: light.illuminant.name for group, light in lights.items()},
+        "illuminants": list(mixes),
+        "files": [path.name for path in written],
+    }
+    with ExitStack() as until_there, results.together():
+        coefficients.write(exr, image, render.picture(image, lights))
+        for label, mix in mixes.items():
+            render.save_picture(names[label], render.picture(clean, mix), image)
+        until_there.enter_context(results.claim(summary, waiting=lambda: None))
+        results.write_text(summary, _summary(scene, summary, record))
+    for path in written:
+        console.wrote(path)
+
+
+def _summary(scene, path: Path, record: dict) -> str:
+    """summary.json with one more frame, or with a frame replaced; what other runs noted stays."""
+    settings = scene.relume
+    head = {"scene": bpy.data.filepath, "channels": settings.model().channels, "passes": settings.model().passes}
+    head |= {"model": settings.model().name, "reason": settings.plan.get("reason", "")}
+    frames = {each["files"][0]: each for each in _noted(path)}
+    frames[record["files"][0]] = record
+    ordered = sorted(frames.values(), key=lambda each: (each["files"][0].rpartition("_")[0], each["frame"]))
+    return json.dumps(head | {"frames": ordered}, indent=2, ensure_ascii=False) + "\n"
+
+
+def _noted(path: Path) -> list[dict]:
+    """The frames in a summary.json. Raises ResultError for a file that is something else."""
+    try:
+        frames = json.loads(path.read_text(encoding="utf-8"))["frames"]
+        if all(isinstance(each["files"][0], str) and isinstance(each["frame"], int) for each in frames):
+            return frames
+    except FileNotFoundError:
+        return []
+    except (ValueError, TypeError, LookupError):
+        pass
+    raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
+
+
+def lights_of(image, chosen: list[str]) -> dict[str, Light]:
+    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
+    lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    for text in chosen:
+        group, equals, what = text.rpartition("=")
+        name, star, gain = what.partition("*")
+        if not equals:
+            raise UsageError(f"--light {text}: expected GROUP=ILLUMINANT or GROUP=ILLUMINANT*GAIN")
+        if group not in lights:
+            raise UsageError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
+        try:
+            lights[group] = Light(library.illuminant(name), arguments.number(gain, *GAINS) if star else 1.0)
+        except UsageError as error:
+            raise UsageError(f"--light {text}: the gain {error}") from error
+    return lights
+
+
+def relight_file(told):
+    """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
+    if told.out.suffix.lower() not in render.FORMATS:
+        raise UsageError(f"{told.out}: a picture's name ends in {', '.join(render.FORMATS)}")
+    sources = _sources(told.coefficients, told.out)
+    _check_apart(sources)
+    waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
+    found = coefficients.describe_all(waiting.values(), told.described, told.layer)
+    for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
+        lights_of(image, told.light)
+        if told.out.suffix.lower() != ".exr":
+            render.check_view(source, image)
+    if waiting:
+        _remark(next(iter(waiting.values())), told)
+    with results.folder(told.out.parent):
+        for out in waiting:
+            results.expect(out)
+        for number, (out, image, rgb) in enumerate(_relit(waiting, told), 1):
+            render.save_picture(out, rgb, image)
+            console.wrote(out)
+            if len(sources) > 1:
+                done = len(sources) - len(waiting) + number
+                console.event("relit", number=done, of=len(sources)) or print(
+                    f"relit {done} of {len(sources)}", file=sys.stderr, flush=True
+                )
+
+
+def _check_apart(sources: dict[Path, Path]):
+    """Raise UsageError where a picture would take the place of coefficients, by whatever name or link."""
+    taken = {_identity(source) for source in sources.values()} - {None}
+    for out in sources:
+        if _identity(out) in taken:
+            raise UsageError(f"{out}: holds coefficients to be relit; choose another name for the picture")
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _remark(source: Path, told):
+    """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
+    if coefficients.is_own(source):
+        return
+    found = description.of_file(source, told.described)
+    first, *others = found.layers
+    if others and told.layer is None:
+        console.say(f"took view layer {first!r}; --layer takes {', '.join(map(repr, others))}")
+    if found.animated:
+        console.say("the mix is animated; took that of the frame at which the scene was saved")
+
+
+def describe_scene(out: Path | None):
+    """`relume describe`: a sidecar for what other Blenders render of the open file."""
+    described = describe.of_open_file()
+    out = out or Path(f"{Path(bpy.data.filepath).stem or 'untitled'}{description.SUFFIX}")
+    with results.folder(out.parent):
+        description.write(out, described)
+    console.wrote(out)
+
+
+def _sources(path: Path, out: Path) -> dict[Path, Path]:
+    """{picture: its coefficients}, of one file or of a sequence. Raises SequenceError."""
+    if not sequences.is_pattern(path):
+        return {out: path}
+    if not sequences.is_pattern(out):
+        raise SequenceError(f"{out}: expected #### for the frame number, as in {path.name}")
+    return {sequences.numbered(out, frame): source for frame, source in sequences.files(path).items()}
+
+
+def _is_newer(out: Path, source: Path) -> bool:
+    return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
+
+
+def _relit(waiting: dict[Path, Path], told) -> Iterator:
+    """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
+
+    def relit(item):
+        out, source = item
+        image = coefficients.read(source, told.described, told.layer)
+        return out, image, render.picture(image, lights_of(image, told.light), told.white)
+
+    cores = os.cpu_count() or 1
+    items, ahead = iter(waiting.items()), deque()
+    with ThreadPoolExecutor(cores) as pool:
+        for item in islice(items, cores):
+            ahead.append(pool.submit(relit, item))
+        while ahead:
+            done = ahead.popleft().result()
+            for item in islice(items, 1):
+                ahead.append(pool.submit(relit, item))
+            yield done

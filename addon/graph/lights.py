@@ -1,0 +1,311 @@
+"""What shines: light groups, the spectrum of each, and the colour of a lamp as a gel in front of it.
+
+A black body, as the temperature of a lamp or in its nodes, is a Planckian illuminant. Where all that shines in a light
+group is of one temperature, the group starts with that illuminant; otherwise each black body has its own spectrum,
+relative to the D65 of its group.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...core.model import upsample
+from ...core.model.factor_model import FactorModel
+from ...core.picture.coefficients import EVERYTHING_ELSE
+from ...core.spectra import library
+from ..host import animation, inventory
+from ..store.remarks import Remark
+from . import node_groups, nodes, sockets
+from .closures import Kind, in_use, kind_of, spectral_sockets
+
+__all__ = [
+    "LONGEST",
+    "Lamp",
+    "Lighting",
+    "blackbody_behind",
+    "colors_of",
+    "emitters_of",
+    "first_illuminant",
+    "group_of",
+    "has_emitters",
+    "light_groups_of",
+    "members_of",
+    "restore",
+    "strength_sockets",
+    "take_colors",
+    "temperatures_of",
+    "why_unusable",
+]
+
+_BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
+_MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
+_DAYLIGHT = "D65"
+_NOTICED = 5.0  # CIEDE2000, of the most saturated surfaces
+_FILTER = "its light is deeply coloured: what it does to coloured surfaces differs from plain RGB, even without bounces"
+LONGEST = 63 - len("Combined_")  # bytes of a light group's name that leave room for that of its pass
+
+
+def emitters_of(scene) -> list:
+    """The objects that shine, and the world if it does."""
+    found, shines = inventory.take(scene), {}
+    things = [thing for thing in found.objects if _shines(thing, found, shines)]
+    return [*things, scene.world] if scene.world and _tree_shines(scene.world.node_tree, shines) else things
+
+
+def light_groups_of(scene) -> list[str]:
+    """Names of the light groups that the scene's lamps, shining objects and world belong to, in order of appearance.
+
+    `EVERYTHING_ELSE` comes last if anything that shines belongs to none.
+    """
+    return list(members_of(scene))
+
+
+def members_of(scene) -> dict[str, list[str]]:
+    """{light group: names of what shines in it}, in the order of `light_groups_of`."""
+    found = {}
+    for thing in emitters_of(scene):
+        found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(
+            f"{thing.id_type} {thing.name}"
+        )
+    rest = [*found.pop("", ()), *found.pop(EVERYTHING_ELSE, ())]
+    return found | ({EVERYTHING_ELSE: rest} if rest else {})
+
+
+def why_unusable(group: str) -> str:
+    """Why Blender renders nothing into a light group of that name, "" if it does."""
+    if len(group.encode()) > LONGEST:
+        return "the name of this light group is too long for a render pass: its lamps belong to everything else"
+    if "." in group:
+        # Only scripts and old files give objects such a group: a view layer would call it by another name
+        return "Blender has no light group with a dot in its name: its lamps belong to everything else; rename it"
+    return ""
+
+
+def strength_sockets(tree) -> list:
+    """The inputs that say how strongly a node tree shines."""
+    return [
+        next(other for other in node.inputs if other.name in ("Strength", "Emission Strength"))
+        for node in tree.nodes
+        for socket in spectral_sockets(node)
+        if kind_of(socket) is Kind.EMISSION and in_use(socket)
+    ]
+
+
+def has_emitters(scene) -> bool:
+    return bool(light_groups_of(scene))
+
+
+def _shines(thing, found, shines: dict) -> bool:
+    if thing.type == "LIGHT":
+        return True
+    return any(_tree_shines(material.node_tree, shines) for material in found.materials_of(thing))
+
+
+def _tree_shines(tree, shines: dict) -> bool:
+    """shines: what is known already; a tree that is being looked at counts as dark, so that no circle goes on."""
+    if tree is None:
+        return False
+    if tree not in shines:
+        shines[tree] = False
+        inner = (node.node_tree for node in tree.nodes if node.type == "GROUP")
+        shines[tree] = sockets.emits(tree) or any(_tree_shines(each, shines) for each in inner)
+    return shines[tree]
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """The colour (RGB) that was taken out of a lamp, and its temperature: kelvin and the RGB colour of it, or None."""
+
+    tint: tuple[float, float, float]
+    temperature: float | None = None
+    glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+def take_colors(lights) -> tuple[dict, list[Remark]]:
+    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
+    lamps, remarks = {}, []
+    for light in lights:
+        if not _is_own(light):
+            if light.node_tree is None:  # others are told with their nodes
+                remarks.append(sockets.untouchable(light))
+            continue
+        why = _obstacle(light)
+        if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
+            remarks.append(Remark(light.name, "", why))
+        if not why:
+            lamps[light] = _take_color(light)
+    return lamps, remarks
+
+
+def colors_of(lights) -> dict:
+    """{light: Lamp} of the lamps whose colours `take_colors` takes, whether or not it has."""
+    return {light: _color_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
+
+
+def _is_own(light) -> bool:
+    return light.library is None and light.override_library is None
+
+
+def _obstacle(light) -> str:
+    """Why the colour of a lamp has to stay where it is, "" if it can be moved."""
+    moving = animation.paths(light, light)
+    if moving & {"temperature", "use_temperature"}:
+        return "its temperature is animated: its colour stays RGB"
+    if "color" in moving and animation.is_shared(light, "color"):
+        return "its animation is that of other lamps too: its colour stays RGB"
+    if _uses_nodes(light) and not sockets.emits(light.node_tree):
+        return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"
+    return ""
+
+
+def _uses_nodes(light) -> bool:
+    """Whether the nodes of a lamp say how it shines; since Blender 5.1 they always do."""
+    return light.node_tree is not None if bpy.app.version >= (5, 1, 0) else light.use_nodes
+
+
+def _take_color(light) -> Lamp:
+    if _BEFORE not in light:
+        light[_BEFORE] = {
+            "color": list(light.color),
+            "temperature": light.temperature if light.use_temperature else 0.0,
+            "glow": list(light.temperature_color) if light.use_temperature else [1.0, 1.0, 1.0],
+            "use_nodes": _uses_nodes(light),
+        }
+    if not _uses_nodes(light):
+        light.use_nodes = True
+    light.use_temperature = False
+    light.color = (1.0, 1.0, 1.0)
+    return _color_of(light)
+
+
+def _color_of(light) -> Lamp:
+    if _BEFORE in light:
+        before = light[_BEFORE].to_dict()
+        return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
+    if light.use_temperature:
+        return Lamp(tuple(light.color), light.temperature, tuple(light.temperature_color))
+    return Lamp(tuple(light.color))
+
+
+def restore(light):
+    """Give a lamp back the colour that `take_colors` took."""
+    if _MOVED in light:
+        animation.move(light, light[_MOVED], "color")
+        del light[_MOVED]
+    if _BEFORE not in light:
+        return
+    before = light[_BEFORE].to_dict()
+    light.color = before["color"]
+    if before["temperature"]:
+        light.use_temperature = True
+    if not before["use_nodes"]:
+        light.use_nodes = False
+    del light[_BEFORE]
+
+
+def local_lights():
+    return [light for light in bpy.data.lights if light.library is None]
+
+
+def temperatures_of(groups: list[str], lamps: dict, shadings: list) -> dict[str, float]:
+    """{light group: kelvin} of the groups in which all that shines is one black body.
+
+    lamps: {light: Lamp}, as `take_colors` gives them.
+    """
+    found = {}
+    for shading in shadings:
+        for kelvin in _temperatures_in(shading, lamps.get(shading.owner)):
+            found.setdefault(group_of(shading, groups), set()).add(kelvin)
+    return {name: next(iter(kinds)) for name, kinds in found.items() if len(kinds) == 1 and None not in kinds}
+
+
+def group_of(shading, groups: list[str]) -> str:
+    """The light group, of those of a scene, that what a node tree emits belongs to."""
+    return shading.light_group if shading.light_group in groups else groups[-1]
+
+
+def _temperatures_in(shading, lamp: Lamp | None):
+    """Kelvin of each emission of a tree; None for what is no black body."""
+    for node in shading.tree.nodes:
+        for socket in spectral_sockets(node):
+            if kind_of(socket) is Kind.EMISSION and in_use(socket):
+                own = blackbody_behind(socket)
+                if lamp and lamp.temperature:
+                    yield None if own else lamp.temperature
+                else:
+                    yield own
+
+
+def first_illuminant(temperatures: dict[str, float], group: str) -> str:
+    """The illuminant that a light group has before the artist chooses one."""
+    return _planckian(temperatures[group]) if group in temperatures else _DAYLIGHT
+
+
+class Lighting:
+    """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
+
+    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list):
+        self.model, self.groups, self.lamps = model, groups, lamps
+        self.temperatures = temperatures_of(groups, lamps, shadings)
+
+    def _emitter(self, name: str, kelvin: float):
+        """The emitter group of a black body in a light group."""
+        spectrum = library.illuminant(_planckian(kelvin))
+        reference = _planckian(kelvin) if name in self.temperatures else _DAYLIGHT
+        coefficients = self.model.emission(spectrum, library.illuminant(reference))
+        return node_groups.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
+
+    def convert(self, conversion, shading, socket):
+        """Put the light of its light group in front of a socket that sends out light."""
+        name = group_of(shading, self.groups)
+        spectral = conversion.carries_spectrum(socket)
+        if spectral:
+            conversion.upsample(socket)
+        kelvin = blackbody_behind(socket)
+        if kelvin:
+            conversion.insert(socket, self._emitter(name, kelvin))
+        group = node_groups.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
+        light = conversion.insert(socket, group)
+        lamp = self.lamps.get(shading.owner)
+        self._remark_on_color(conversion, shading, light, lamp)
+        if lamp is None:
+            return
+        light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
+        if lamp.temperature:
+            emitter = self._emitter(name, lamp.temperature)
+            conversion.insert(light.inputs["Spectrum"], emitter, value=lamp.glow)
+        path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
+        if animation.move(shading.owner, "color", path):
+            shading.owner[_MOVED] = path
+
+    def _remark_on_color(self, conversion, shading, light, lamp: Lamp | None):
+        """Tell of light whose colour, as far as it is known, makes of coloured surfaces what RGB does not."""
+        color = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
+        color *= lamp.tint if lamp else 1.0
+        space = bpy.data.colorspace.working_space
+        if upsample.filter_difference(self.model, color, space) > _NOTICED:
+            conversion.remarks.append(Remark(shading.words, "", _FILTER))
+
+
+def _planckian(kelvin: float) -> str:
+    return f"Planckian {kelvin:g} K"
+
+
+def blackbody_behind(socket) -> float | None:
+    """Kelvin of the Blackbody node whose colour, and nothing else, comes into a socket; None if there is none.
+
+    A temperature that is linked or animated, or that the library's law does not reach, counts as a colour.
+    """
+    while socket.is_linked and not socket.links[0].is_muted:
+        node = socket.links[0].from_node
+        if node.type == "BLACKBODY":
+            temperature = node.inputs["Temperature"]
+            tree = temperature.id_data
+            moving = temperature.path_from_id("default_value") in animation.paths(tree, tree)
+            kelvin = round(temperature.default_value, 2)
+            return kelvin if not (temperature.is_linked or moving) and 800.0 <= kelvin <= 40_000.0 else None
+        if node.type != "REROUTE" and nodes.role(node) not in nodes.INSERTED:
+            return None
+        socket = node.inputs[0]
+    return None

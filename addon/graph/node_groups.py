@@ -1,0 +1,225 @@
+"""The node groups that Relume adds to a file, built from Blender's own nodes alone.
+
+In shaders:
+- *View* reads the matrix of the view layer being rendered (see `scene.view_layers`);
+- a *spectrum* group holds p coefficients and gives the colour `W @ c`, or a plain RGB colour where there is no W (see
+  `spectra`);
+- a *glass* group refracts each channel by its own index (see `glass`);
+- *Upsample* does the same for an RGB input, or a vector that holds one number for each of red, green and blue;
+- *Light* upsamples the colour of a lamp and colours it as its light group;
+- an *emitter* is a lamp's own spectrum, relative to that of its light group, in place of an RGB colour.
+
+In the compositor:
+- *Recombination* sums matrices times coefficient passes.
+
+A group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
+"""
+
+import bpy
+import numpy as np
+
+from . import nodes
+
+__all__ = [
+    "add_view",
+    "emitter_group",
+    "light_group",
+    "matrix_sockets",
+    "recombination_group",
+    "set_spectral",
+    "upsample_group",
+    "view_group",
+    "write_recombination",
+]
+
+_LIGHT = "relume_light"  # on a Light group: the number of its light group
+
+
+def _shared_tree(name: str, role_name: str):
+    """The one local group of this file with that role and name, made when there is none; and whether it is new."""
+    for tree in bpy.data.node_groups:
+        if tree.get(nodes.ROLE) == role_name and tree.get("relume_name") == name and tree.library is None:
+            return tree, False
+    tree = nodes.new_tree(name, "ShaderNodeTree", role_name)
+    tree["relume_name"] = name
+    return tree, True
+
+
+def view_group(channels: int):
+    """The shared *View* group for p channels: On, B0 to B2 and W0 to W(p-1) of the view layer being rendered."""
+    tree, new = _shared_tree("Relume View", "view")
+    if not new and tree["relume_channels"] == channels:
+        return tree
+    tree["relume_channels"] = channels
+    tree.nodes.clear()
+    tree.interface.clear()
+    output = nodes.add(tree, "NodeGroupOutput", 2)
+    names = ["relume_on", *(f"relume_b{i}" for i in range(3)), *(f"relume_w{i}" for i in range(channels))]
+    for row, name in enumerate(names):
+        nodes.add_socket(tree, name.removeprefix("relume_").upper(), "Vector" if row else "Float", output=True)
+        attribute = nodes.add(tree, "ShaderNodeAttribute", 0, row, attribute_type="VIEW_LAYER", attribute_name=name)
+        tree.links.new(attribute.outputs["Vector" if row else "Factor"], output.inputs[row])
+    return tree
+
+
+def add_view(tree, channels: int):
+    """A node of the *View* group."""
+    return nodes.add(tree, "ShaderNodeGroup", 0, node_tree=view_group(channels), label="View")
+
+
+def upsample_group(channels: int, vector: bool = False, bounds: str = ""):
+    """The shared *Upsample* group: an RGB colour in, `B @ rgb` out; or a vector, whose result is never negative.
+
+    bounds: of the colour, as in `closures.Bounds`: "positive" or "unit".
+    """
+    kind = "Vector" if vector else bounds.capitalize()
+    tree, new = _shared_tree(f"Relume Upsample {kind}".rstrip(), "upsample")
+    if not new:
+        return tree
+    name = kind = "Vector" if vector else "Color"
+    nodes.add_socket(tree, name, kind, output=False, default=(1.0, 1.0, 1.0) if vector else (0.8, 0.8, 0.8, 1.0))
+    nodes.add_socket(tree, name, kind, output=True)
+    source = nodes.add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
+    held = source.outputs[name]
+    if bounds:
+        held = _held(tree, 1, held, "MAXIMUM", 0.0)
+    if bounds == "unit":
+        held = _held(tree, 1, held, "MINIMUM", 1.0)
+    upsampled = _upsampled(tree, view, held, 2)
+    if vector:
+        upsampled = _held(tree, 4, upsampled, "MAXIMUM", 0.0)
+    chosen = nodes.choose(tree, 5, view.outputs["ON"], source.outputs[name], upsampled)
+    output = nodes.add(tree, "NodeGroupOutput", 6)
+    tree.links.new(chosen, output.inputs[name])
+    return tree
+
+
+def _held(tree, column: int, vector, operation: str, limit: float):
+    """A vector held to a limit, number by number."""
+    node = nodes.add(tree, "ShaderNodeVectorMath", column, 2, operation=operation)
+    tree.links.new(vector, node.inputs[0])
+    node.inputs[1].default_value = (limit,) * 3
+    return node.outputs[0]
+
+
+def _upsampled(tree, view, color, column: int):
+    separate = nodes.add(tree, "ShaderNodeSeparateColor", column - 1, 1)
+    tree.links.new(color, separate.inputs[0])
+    total = None
+    for i in range(3):
+        total = nodes.multiply_add(tree, column + i, 1, view.outputs[f"B{i}"], separate.outputs[i], total)
+    return total
+
+
+def light_group(index: int, channels: int, spectral: bool = False):
+    """The shared *Light* group of light group number `index`: the colours that a lamp has in, its emission out.
+
+    Color and Tint are multiplied as RGB, and Spectrum comes from a spectrum; `spectral` when Color does so as well.
+    """
+    tree, new = _shared_tree(f"Relume {'Spectral ' if spectral else ''}Light {index + 1}", "light")
+    if not new:
+        return tree
+    tree[_LIGHT] = index
+    for name in ("Color", "Tint", "Spectrum"):
+        nodes.add_socket(tree, name, "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    nodes.add_socket(tree, "Color", "Color", output=True)
+    source = nodes.add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
+    filtered = _product(tree, 1, 2, source.outputs["Color"], source.outputs["Tint"])
+    if spectral:
+        tint = _upsampled(tree, view, source.outputs["Tint"], 2)
+        colored = _product(tree, 5, 3, source.outputs["Color"], tint)
+    else:
+        colored = _upsampled(tree, view, filtered, 2)
+    color = nodes.add(
+        tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}"
+    )
+    lit = _product(tree, 5, 1, colored, color.outputs["Vector"])
+    plain, spectrally = (_product(tree, 6, 1 + k, v, source.outputs["Spectrum"]) for k, v in enumerate((filtered, lit)))
+    chosen = nodes.choose(tree, 7, view.outputs["ON"], plain, spectrally)
+    output = nodes.add(tree, "NodeGroupOutput", 8)
+    tree.links.new(chosen, output.inputs["Color"])
+    return tree
+
+
+def set_spectral(node, channels: int, spectral: bool):
+    """Tell an inserted node of a *Light* group whether its Color comes from a spectrum."""
+    node.node_tree = light_group(node.node_tree[_LIGHT], channels, spectral)
+    node.label = node.node_tree.name
+
+
+def _product(tree, column: int, row: int, a, b):
+    node = nodes.add(tree, "ShaderNodeVectorMath", column, row, operation="MULTIPLY")
+    tree.links.new(a, node.inputs[0])
+    tree.links.new(b, node.inputs[1])
+    return node.outputs[0]
+
+
+def emitter_group(name: str, coefficients: np.ndarray):
+    """The shared *emitter* group of that name: an RGB colour in, which shows where no W is set, `W @ c` out."""
+    tree, new = _shared_tree(name, "emitter")
+    if not new:
+        return tree
+    nodes.add_socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+    nodes.add_socket(tree, "Color", "Color", output=True)
+    channels = len(coefficients)
+    source = nodes.add(tree, "NodeGroupInput", 0, 1)
+    view = add_view(tree, channels)
+    chosen = nodes.choose(
+        tree, channels + 1, view.outputs["ON"], source.outputs["Color"], nodes.weighed(tree, view, coefficients, 0)
+    )
+    output = nodes.add(tree, "NodeGroupOutput", channels + 2)
+    tree.links.new(chosen, output.inputs["Color"])
+    return tree
+
+
+def recombination_group(name: str, groups: list[str], passes: int):
+    """A compositor group: for every light group and pass an image in, the picture out; all matrices zero."""
+    tree = nodes.new_tree(name, "CompositorNodeTree", "recombination")
+    nodes.add_socket(tree, "Alpha", "Float", output=False, default=1.0)
+    for group in groups:
+        for k in range(passes):
+            nodes.add_socket(tree, f"{group} {k + 1}", "Color", output=False, default=(0.0, 0.0, 0.0, 1.0))
+    nodes.add_socket(tree, "Image", "Color", output=True)
+    source = nodes.add(tree, "NodeGroupInput", 0)
+    total = None
+    for row, group in enumerate(groups):
+        for k in range(passes):
+            separate = nodes.add(tree, "ShaderNodeSeparateXYZ", 1, row * passes + k)
+            tree.links.new(source.outputs[f"{group} {k + 1}"], separate.inputs[0])
+            for j in range(3):
+                total = nodes.multiply_add(tree, 2 + j, row * passes + k, 0.0, separate.outputs[j], total)
+                total.node.name = _column_name(row, 3 * k + j)
+    alpha = nodes.add(tree, "CompositorNodeSetAlpha", 6)
+    alpha.inputs["Type"].default_value = "Replace Alpha"
+    tree.links.new(total, alpha.inputs["Image"])
+    tree.links.new(source.outputs["Alpha"], alpha.inputs["Alpha"])
+    output = nodes.add(tree, "NodeGroupOutput", 7)
+    tree.links.new(alpha.outputs[0], output.inputs["Image"])
+    return tree
+
+
+def _column_name(group: int, channel: int) -> str:
+    return f"matrix {group} column {channel}"
+
+
+def write_recombination(tree, matrices: np.ndarray):
+    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them are let alone."""
+    changed = []
+    for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):
+        for channel, column in enumerate(matrix.T):
+            socket = tree.nodes[_column_name(group, channel)].inputs[0]
+            if tuple(socket.default_value) != tuple(column.tolist()):
+                socket.default_value.foreach_set(column)
+                changed.append((socket, column))
+    if changed:
+        # One assignment tells Blender. To assign each makes it look through the whole file as often: 25 ms with 2,000
+        # materials, for one illuminant
+        socket, column = changed[-1]
+        socket.default_value = column
+
+
+def matrix_sockets(tree) -> list:
+    """The sockets of a recombination group that hold its matrices, by group and channel."""
+    return [node.inputs[0] for node in tree.nodes if node.name.startswith("matrix ")]

@@ -1,0 +1,1 @@
+"""What Blender is like, and nothing of Relume."""

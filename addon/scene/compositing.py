@@ -1,0 +1,237 @@
+"""The recombination in a scene's compositing: coefficient passes in, the picture out for whatever comes after."""
+
+import bpy
+
+from ...core.picture.coefficients import EVERYTHING_ELSE
+from ...core.picture.recombination import for_passes
+from ..graph import node_groups, nodes
+from ..host import denoising
+from ..store import properties
+from . import view_layers
+
+__all__ = [
+    "add",
+    "compare",
+    "end_comparison",
+    "move_wipe",
+    "recombinations",
+    "remove",
+    "rename",
+    "write_matrices",
+]
+
+_SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
+_ADDED = "relume_added"  # on the nodes that Relume added
+_TREE = "Relume Compositing"
+_COMPARISON = "relume_comparison"  # on the nodes of a comparison
+_LINE = "relume_line"  # on the node that says where the pictures meet
+_STEP = 240
+
+
+def _new_tree(source: str):
+    """Compositing for a scene that had none: the render goes straight to the output."""
+    tree = bpy.data.node_groups.new(_TREE, "CompositorNodeTree")
+    tree[nodes.ROLE] = "compositing"
+    tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    render_layers = tree.nodes.new("CompositorNodeRLayers")
+    render_layers.layer = source
+    render_layers.location = (-3 * _STEP, 0)
+    output = tree.nodes.new("NodeGroupOutput")
+    output.location = (2 * _STEP, 0)
+    tree.links.new(render_layers.outputs["Image"], output.inputs["Image"])
+    return tree
+
+
+def add(scene, groups: list[str]):
+    """Put the recombination in the place of the Render Layers image, in the compositing that the scene has or gets."""
+    layers = view_layers.pass_layers(scene)
+    if scene.compositing_node_group is None:
+        scene.compositing_node_group = _new_tree(next(iter(layers)))
+    tree = scene.compositing_node_group
+    for source, copies in layers.items():
+        shown = [n for n in tree.nodes if n.type == "R_LAYERS" and n.scene == scene and n.layer == source]
+        if shown:
+            group = node_groups.recombination_group(f"Relume Recombination {source}", groups, len(copies))
+            for node in shown:
+                _feed(tree, node, group, copies, groups)
+
+
+def _feed(tree, first, group, copies, groups):
+    """Make the artist's Render Layers node the first pass, and give its users the recombined picture for its image."""
+    users = [link.to_socket for link in first.outputs["Image"].links]
+    first[_SOURCE] = first.layer
+    first.layer = copies[0].name
+    renders = [first]
+    for k, copy in enumerate(copies[1:], 1):
+        node = _added(tree, "CompositorNodeRLayers", first, 0, -k)
+        node.scene, node.layer = first.scene, copy.name
+        renders.append(node)
+    recombination = _added(tree, "CompositorNodeGroup", first, 1.5, 0)
+    recombination.node_tree = group
+    recombination.label = "Relume"
+    tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
+    apart = first.scene.relume.denoises_passes and len(renders) > 1
+    for row, name in enumerate(groups):
+        image = "Image" if name == EVERYTHING_ELSE else view_layers.light_pass(name)
+        for k, node in enumerate(renders):
+            part = node.outputs[image]
+            if apart:
+                part = _denoise(tree, node, part, 0.75, row / len(groups))
+            tree.links.new(part, recombination.inputs[f"{name} {k + 1}"])
+    picture = recombination.outputs["Image"]
+    if first.scene.cycles.use_denoising and not apart:
+        # One denoising whatever the number of passes and light groups: the light is changed more often than rendered
+        picture = _denoise(tree, first, picture, 2.3, 0)
+    for user in users:
+        tree.links.new(picture, user)
+
+
+def _denoise(tree, render, image, column: float, row: float):
+    """Denoise an image as Cycles would if it denoised light groups, with the guides of a Render Layers node."""
+    node = _added(tree, "CompositorNodeDenoise", render, column, row)
+    tree.links.new(image, node.inputs["Image"])
+    for guide in denoising.guides_of(render.scene):
+        tree.links.new(render.outputs[f"Denoising {guide}"], node.inputs[guide])
+    node.inputs["Prefilter"].default_value = denoising.prefilter_of(render.scene)
+    return node.outputs["Image"]
+
+
+def _added(tree, kind: str, beside, column: float, row: float):
+    node = tree.nodes.new(kind)
+    node[_ADDED] = True
+    node.parent = beside.parent
+    node.location = (beside.location.x + column * _STEP, beside.location.y + row * 1.5 * _STEP)
+    node.select = False
+    return node
+
+
+def write_matrices(scene, matrices):
+    """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination."""
+    for tree in {node.node_tree for node in recombinations(scene)}:
+        node_groups.write_recombination(tree, _as_rendered(scene, matrices))
+
+
+def rename(scene, before: str, after: str):
+    """Follow a light group that got a new name on the view layers: sockets, and the passes that feed them."""
+    tree = scene.compositing_node_group
+    fed = []  # Render Layers node, the node that it feeds, and by which input
+    for node in recombinations(scene):
+        for socket in node.inputs:
+            group, _, number = socket.name.rpartition(" ")
+            if group == before and socket.is_linked:
+                render, target = socket.links[0].from_node, (node, f"{after} {number}")
+                if render.type == "DENOISE":
+                    render, target = render.inputs["Image"].links[0].from_node, (render, "Image")
+                fed.append((render, *target))
+        for item in node.node_tree.interface.items_tree:
+            group, _, number = item.name.rpartition(" ")
+            if group == before:
+                item.name = f"{after} {number}"
+    for render in {render for render, _, _ in fed}:
+        render.layer = render.layer  # reads the names of the passes anew
+    for render, node, name in fed:
+        tree.links.new(render.outputs[view_layers.light_pass(after)], node.inputs[name])
+
+
+def _as_rendered(scene, matrices):
+    """Matrices for the images that the scene composites: a render's last may hold all light, Relume's files' never."""
+    rows, own = scene.relume.lit, scene.relume.exr and properties.STOCK not in scene
+    return for_passes(matrices) if not own and rows[-1].name == EVERYTHING_ELSE else matrices
+
+
+def recombinations(scene) -> list:
+    """The nodes that recombine the scene's coefficient passes."""
+    tree = scene.compositing_node_group
+    return [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
+
+
+def _users(picture):
+    """The sockets that the recombined picture goes to in the end, through the denoiser that Relume put behind it."""
+    for link in list(picture.links):
+        if link.to_node.type == "DENOISE" and _ADDED in link.to_node:
+            yield from _users(link.to_node.outputs["Image"])
+        else:
+            yield link.to_socket
+
+
+def remove(scene):
+    """Give the compositing back as it was."""
+    tree = scene.compositing_node_group
+    if tree is None:
+        return
+    end_comparison(scene)
+    for recombination in recombinations(scene):
+        if not recombination.inputs["Alpha"].is_linked:
+            continue  # the artist deleted the Render Layers node
+        first = recombination.inputs["Alpha"].links[0].from_node
+        for user in _users(recombination.outputs["Image"]):
+            tree.links.new(first.outputs["Image"], user)
+    for node in [node for node in tree.nodes if _ADDED in node]:
+        tree.nodes.remove(node)
+    names = view_layers.source_names(scene)
+    for node in [node for node in tree.nodes if _SOURCE in node]:
+        if node[_SOURCE] in names:
+            node.layer = names[node[_SOURCE]]
+        del node[_SOURCE]
+    if tree.get(nodes.ROLE) == "compositing":
+        scene.compositing_node_group = None
+        if tree.users == 0:
+            bpy.data.node_groups.remove(tree)
+
+
+def compare(scene, matrices):
+    """Show the picture of other (groups, 3, p) matrices right of a line that `move_wipe` moves."""
+    end_comparison(scene)
+    tree = scene.compositing_node_group
+    for first in recombinations(scene):
+        users = [link.to_socket for link in first.outputs["Image"].links]
+        other = _added(tree, "CompositorNodeGroup", first, 0, -2)
+        other.node_tree = first.node_tree.copy()
+        other.node_tree[nodes.ROLE] = "comparison"
+        other.node_tree.animation_data_clear()
+        node_groups.write_recombination(other.node_tree, _as_rendered(scene, matrices))
+        for name, socket in first.inputs.items():
+            if socket.is_linked:
+                tree.links.new(socket.links[0].from_socket, other.inputs[name])
+        place = _added(tree, "CompositorNodeImageCoordinates", first, 1, -2)
+        across = _added(tree, "ShaderNodeSeparateXYZ", first, 1.3, -2)
+        right = _added(tree, "ShaderNodeMath", first, 1.6, -2)
+        right.operation = "GREATER_THAN"
+        mix = _added(tree, "ShaderNodeMix", first, 1.9, -2)
+        mix.data_type = "RGBA"
+        mix[_COMPARISON] = True
+        factor, a, b = (next(s for s in mix.inputs if s.name == n and s.enabled) for n in ("Factor", "A", "B"))
+        tree.links.new(first.outputs["Image"], place.inputs["Image"])
+        tree.links.new(place.outputs["Normalized"], across.inputs[0])
+        tree.links.new(across.outputs[0], right.inputs[0])
+        tree.links.new(right.outputs[0], factor)
+        tree.links.new(first.outputs["Image"], a)
+        tree.links.new(other.outputs["Image"], b)
+        picture = next(s for s in mix.outputs if s.enabled)
+        for user in users:
+            tree.links.new(picture, user)
+        for node in (other, place, across, right):
+            node[_COMPARISON] = True
+        right[_LINE] = True
+    move_wipe(scene, scene.relume.wipe)
+
+
+def move_wipe(scene, position: float):
+    """Move the line of a comparison to a part, 0 to 1, of the picture's width; without a comparison, does nothing."""
+    tree = scene.compositing_node_group
+    for node in tree.nodes if tree else ():
+        if _LINE in node:
+            node.inputs[1].default_value = position
+
+
+def end_comparison(scene):
+    """Show only the mixer's own picture again."""
+    tree = scene.compositing_node_group
+    added = [node for node in tree.nodes if _COMPARISON in node] if tree else []
+    for mix in [node for node in added if node.type == "MIX"]:
+        first = next(s for s in mix.inputs if s.name == "A" and s.enabled).links[0].from_socket
+        for link in list(next(s for s in mix.outputs if s.enabled).links):
+            tree.links.new(first, link.to_socket)
+    for node in added:
+        tree.nodes.remove(node)
+    nodes.clear_orphans()

@@ -1,0 +1,146 @@
+"""What a scene shows and how it is lit, as `core.plan` needs it."""
+
+from collections import Counter
+
+import bpy
+
+from ...core.picture import plan
+from ...core.spectra import library
+from ...core.spectra.spectrum import SpectrumError
+from ..graph import glass, lights, sockets
+from ..graph.sources import is_grey, sources_of
+from ..host import inventory
+
+__all__ = ["content_of"]
+
+_COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
+_COLUMNS = 48  # rays through the picture from left to right
+_GREY = (0.8, 0.8, 0.8)
+_LEAST = 0.1  # of the picture: what colours count for together, however small they are in it
+
+
+def content_of(scene) -> plan.Content:
+    """The surfaces of a scene, each with its part of the picture, its lights, and what they may be switched to."""
+    found, groups = inventory.take(scene), lights.light_groups_of(scene)
+    shadings, lamps = sockets.shadings_of(found)[0], lights.colors_of(found.lights)
+    temperatures = lights.temperatures_of(groups, lamps, shadings)
+    kelvin = {s.owner: temperatures.get(lights.group_of(s, groups)) for s in shadings if temperatures}
+
+    measured, colors, textures = {}, Counter(), 0.0
+    for sources, seen in _parts(scene, found, lamps, kelvin):
+        for source in sources:
+            share = seen / len(sources)
+            if source is None:
+                textures += share
+            elif isinstance(source, tuple):
+                colors[source] += share
+            else:
+                measured[source.name] = (source, share + measured.get(source.name, (source, 0.0))[1])
+    greys = sum(share for color, share in colors.items() if is_grey(color))
+    known = textures + colors.total() - greys + sum(share for _, share in measured.values())
+    if known and greys * _LEAST > known * (1 - _LEAST):
+        scale = known * (1 - _LEAST) / (greys * _LEAST)
+        colors = Counter({c: share * scale if is_grey(c) else share for c, share in colors.items()})
+    return plan.Content(
+        reflectances=[spectrum for spectrum, _ in measured.values()],
+        colors=list(colors),
+        shares=[*(share for _, share in measured.values()), *colors.values()],
+        textures=textures,
+        lights=_illuminants(scene, groups, temperatures),
+        choices=_choices(scene.relume.switching),
+        bounces=scene.cycles.max_bounces,
+        space=bpy.data.colorspace.working_space,
+        disperses=any(glass.disperses(node) for shading in shadings for node in shading.tree.nodes),
+    )
+
+
+def _parts(scene, found, lamps: dict, kelvin: dict):
+    """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
+    seen = _shares(scene, found)
+    for owner, share in seen.items():
+        yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [_GREY], share
+    shining = [*found.lights, *([found.world] if found.world else [])]
+    for owner in shining:
+        sources = sources_of(owner, kelvin.get(owner))
+        if owner != found.world:
+            sources += _lamp_sources(owner, lamps.get(owner), kelvin.get(owner))
+        colored = [source for source in sources if not is_grey(source)]
+        if colored:
+            yield colored, seen.total() / len(shining)
+
+
+def _lamp_sources(light, lamp, kelvin: float | None) -> list:
+    """Sources of the colour that a lamp has outside its nodes."""
+    if lamp is None:
+        return [tuple(light.color)]
+    return [lamp.tint] if lamp.temperature in (None, kelvin) else [lamp.tint, None]
+
+
+def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
+    """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
+    found = {}
+    for group in groups:
+        row = scene.relume.light_groups.get(group)
+        try:
+            if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
+                spectrum = library.illuminant(lights.first_illuminant(temperatures, group))
+            else:
+                spectrum = row.spectrum()
+        except (library.LibraryError, SpectrumError):
+            spectrum = library.illuminant("D65")
+        found[spectrum.name, spectrum.values.tobytes()] = spectrum
+    return list(found.values())
+
+
+def _choices(switching: str) -> list:
+    if switching == "ANY":
+        return [library.illuminant(name) for names in library.cie_illuminants().values() for name in names]
+    return [library.illuminant(name) for name in _COMMON] if switching == "COMMON" else []
+
+
+def _shares(scene, found) -> Counter:
+    """How many of a grid of camera rays hit each material, or the world (None: no material); each used material at
+    least a little, for it lights what is seen."""
+    shares = Counter()
+    for thing in found.objects:
+        if not thing.hide_render:
+            shares |= dict.fromkeys(found.materials_of(thing), 0.5)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for origin, direction in _camera_rays(scene, depsgraph):
+        hit, _, _, face, thing, matrix = scene.ray_cast(depsgraph, origin, direction)
+        seen = _materials_at(found, thing.evaluated_get(depsgraph), face, matrix) if hit else [found.world]
+        for material in seen:
+            shares[material] += 1 / len(seen)
+    return shares
+
+
+def _materials_at(found, thing, face: int, matrix) -> list:
+    """The material of a face of an evaluated object; where Geometry Nodes made an instance of it, all that they may
+    have given it."""
+    slots = [slot.material and slot.material.original for slot in thing.material_slots]
+    if isinstance(thing.data, bpy.types.Mesh):
+        own = matrix == thing.matrix_world or not any(modifier.type == "NODES" for modifier in thing.modifiers)
+        if not own or not 0 <= face < len(thing.data.polygons):
+            return found.materials_of(thing.original) or [None]
+        index = thing.data.polygons[face].material_index
+        return [slots[min(index, len(slots) - 1)] if slots else None]
+    return slots[:1] or [None]
+
+
+def _camera_rays(scene, depsgraph):
+    """(origin, direction) of rays spread evenly over the picture."""
+    camera = scene.camera
+    if camera.type != "CAMERA":
+        return  # Blender looks through a lamp as well: nobody knows what is seen
+    frame = camera.data.view_frame(scene=scene)  # top right, bottom right, bottom left, top left, in camera space
+    matrix = camera.evaluated_get(depsgraph).matrix_world
+    right, down = frame[0] - frame[3], frame[2] - frame[3]
+    rows = max(1, round(_COLUMNS * down.length / right.length))
+    for y in range(rows):
+        for x in range(_COLUMNS):
+            point = frame[3] + right * ((x + 0.5) / _COLUMNS) + down * ((y + 0.5) / rows)
+            if camera.data.type == "ORTHO":
+                start = matrix @ point
+                yield start, -matrix.col[2].to_3d()
+            else:
+                yield matrix.translation, (matrix @ point - matrix.translation).normalized()

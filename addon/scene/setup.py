@@ -1,0 +1,309 @@
+"""Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
+
+import json
+from dataclasses import replace
+
+import bpy
+
+from ...core.errors import SetupError
+from ...core.model import channel_order
+from ...core.model.factor_model import FactorModel
+from ...core.picture import drawing, plan, recombination, sampling
+from ...core.picture.mix import Mix
+from ...core.spectra.library import LibraryError
+from ..graph import glass, lights, nodes, sockets, spectra
+from ..host import animation, interruption, inventory
+from ..store import mixer, properties, remarks, schema
+from ..store.mixer import CURVE
+from . import compositing, content, faults, note, render_settings, rows, view_layers
+from .render_settings import SUBSET
+
+__all__ = [
+    "SetupError",
+    "follow",
+    "lighting",
+    "matrices_of",
+    "relight",
+    "remove",
+    "sampling_for",
+    "set_up",
+    "set_up_afresh",
+]
+
+_GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
+
+
+def set_up(scene, model: FactorModel | None = None):
+    """Make a scene spectral: colours, lamps, passes, preview and compositing, for `model` or the scene's channels.
+
+    A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
+    Raises SetupError.
+    """
+    faults.check(scene)
+    schema.check(scene)
+    chosen = {"request": "" if model else scene.relume.request}
+    if model is None and scene.relume.channels == properties.AUTO:
+        found = plan.choose(content.content_of(scene), scene.relume.tolerance)
+        model, chosen["reason"] = found.model, found.reason
+    model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
+    # The coefficients of a spectrum are those of one model: all scenes of a file share it
+    described = json.dumps(model.to_dict())
+    others = [s for s in bpy.data.scenes if s != scene and s.relume.shades and s[properties.MODEL] != described]
+    for other in others:
+        schema.check(other)
+    scenes = [scene, *others]
+    before = {s: (s[properties.MODEL], _plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
+    at = scene
+    with interruption.held_back() as let_through, mixer.quiet():
+        try:
+            for each in scenes:
+                rows.mark(each.relume)
+            for each in before:
+                _take_out(each)
+            for each in scenes:
+                at = each
+                _put_in(each, model, before[each][2] if each in before else {}, let_through)
+                each[properties.PLAN] = chosen
+            for each in scenes:
+                rows.settle(each.relume)
+        except BaseException as error:
+            lost = _give_back(scenes, before)
+            if isinstance(error, SetupError) or not isinstance(error, Exception):
+                raise
+            if lost:
+                what = f"setting up scene {at.name!r} failed, and so did setting up {lost} as before"
+            else:
+                what = f"scene {at.name!r} is as it was, for setting it up failed"
+            raise SetupError(f"{what}: {error}") from error
+
+
+def _plan_of(scene) -> dict:
+    return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
+
+
+def _give_back(scenes, before: dict) -> str:
+    """Make scenes what they were before `set_up` began; returns the names of those where that failed."""
+    lost = []
+    for each in scenes:
+        if each in before:
+            _take_out(each)
+        else:
+            _remove(each)
+        rows.put_back(each.relume)
+    for each, (described, planned, members) in before.items():
+        try:
+            _put_in(each, FactorModel.from_dict(json.loads(described)), members)
+            each[properties.PLAN] = planned
+        except Exception:
+            _remove(each)
+            lost.append(repr(each.name))
+    return ", ".join(lost)
+
+
+def _put_in(scene, model: FactorModel, members: dict, let_through=lambda: None):
+    """members: what shone in each light group at the set-up before. let_through: called where Ctrl-C may come."""
+    groups = rows.sync(scene, members)
+    render_settings.keep(scene)
+    scene[properties.MODEL] = json.dumps(model.to_dict())
+    schema.note(scene)
+    let_through()
+    spectra.update_all(model)
+    glass.update_all(model)
+    let_through()
+    _convert_colors(scene, groups, model)
+    let_through()
+    view_layers.add(scene, model, groups, _share_samples(scene, model))
+    let_through()
+    compositing.add(scene, groups)
+    relight(scene)
+    let_through()
+
+
+def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
+    """Choose what Cycles samples in each pass, and have the scene's settings follow the pass that is rendered."""
+    chosen = sampling_for(scene, model)
+    render_settings.drive(scene, {name: chosen.otherwise[name] for name in chosen.driven})
+    if scene.relume.split_samples:
+        render_settings.stop_noise(scene, model.passes)
+    return chosen
+
+
+def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
+    """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
+    artist's own drivers decide."""
+    settings, cycles = scene.relume, scene.cycles
+    free = {name for name in ("seed", *SUBSET) if not animation.is_animated(scene, f"cycles.{name}")}
+    if settings.split_samples and not settings.same_seed and free.issuperset(SUBSET):
+        first, count = 0, cycles.samples
+        if cycles.use_sample_subset:
+            first = cycles.sample_offset
+            count = min(cycles.sample_subset_length, cycles.samples - first)
+        return sampling.dealt(sampling.shares(model, settings.lights()), first, count)
+    samples = -(-cycles.samples // model.passes) if settings.split_samples else 0
+    if settings.same_seed or "seed" not in free:
+        return sampling.same(model.passes, samples)
+    return sampling.independent(model.passes, samples, cycles.seed)
+
+
+def _convert_colors(scene, groups: list[str], model: FactorModel):
+    """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
+    found = inventory.take(scene)
+    about_scene = faults.remarks_on(scene, found)
+    lamps, about_lamps = lights.take_colors(found.lights)
+    shadings, about_trees = sockets.shadings_of(found)
+    shining = lights.Lighting(model, groups, lamps, shadings)
+    about_colors = sockets.convert(shadings, model.channels, shining.convert)
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colors])
+    first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
+    fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
+    scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
+    for row in fresh:
+        row["illuminant"] = first[row.name]
+
+
+def _take_back_illuminants(scene):
+    """Unset the illuminants that set-up put into the mixer, where the artist chose no other."""
+    given = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
+    for row in scene.relume.light_groups:
+        if row.illuminant == given.get(row.name):
+            row.property_unset("illuminant")
+    if _GIVEN in scene:
+        del scene[_GIVEN]
+
+
+def lighting(scene, settings=None) -> Mix:
+    """The mix that a scene shows. Raises ValueError, LibraryError where it cannot be shown.
+
+    settings: those of the scene as evaluated at a frame, if not the scene's own.
+    """
+    settings = settings or scene.relume
+    mix = Mix(
+        dict(zip([row.name for row in settings.lit], settings.lights(), strict=True)),
+        white_balance=settings.white_balance,
+        method=settings.white_balance_method,
+        space=bpy.data.colorspace.working_space,
+        observer=settings.seen_by(),
+    )
+    return replace(mix, white=settings.white(scene.relume.model(), mix)) if mix.white_balance > 0.0 else mix
+
+
+def _write_lighting(scene, settings=None):
+    """Write the chosen illuminants into the compositor and the preview: numbers only, and only those that changed."""
+    model, chosen = scene.relume.model(), lighting(scene, settings)
+    compositing.write_matrices(scene, recombination.recombination_matrices(model, chosen))
+    layers = view_layers.preview_layers(scene)
+    if layers:
+        shown = recombination.preview(model, chosen)
+        for layer in layers:
+            view_layers.write_view(layer, shown)
+    return chosen
+
+
+def _draw_swatches(scene, lights):
+    """Keep with each row what its icon shows, so that the panel has to compute nothing."""
+    for row, light in zip(scene.relume.lit, lights, strict=True):
+        curve = drawing.curve(light.illuminant).tolist()
+        if list(row.get(CURVE, ())) != curve:
+            row[CURVE] = curve
+            row["swatch"] = drawing.swatch(light.illuminant).tolist()
+
+
+def relight(scene):
+    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture and is told.
+
+    Never raises: Blender calls it while a property changes.
+    """
+    settings = scene.relume
+    if not settings.is_set_up:
+        return
+    try:
+        chosen = _write_lighting(scene)
+    except (LibraryError, ValueError) as error:
+        settings["problem"] = str(error)
+    else:
+        settings["problem"] = ""
+        _draw_swatches(scene, chosen.lights.values())
+    scene.update_tag()
+
+
+def matrices_of(scene, chosen: dict):
+    """(groups, 3, p) recombination matrices of a mix that `mixer.choices` kept. The mixer stays as it is.
+
+    Raises ValueError where the mix cannot be shown.
+    """
+    settings = scene.relume
+    now = mixer.choices(settings)
+    with mixer.quiet():
+        try:
+            mixer.apply(settings, chosen)
+            return recombination.recombination_matrices(settings.model(), lighting(scene))
+        except LibraryError as error:
+            raise ValueError(str(error)) from error
+        finally:
+            mixer.apply(settings, now)
+
+
+def follow(scene, settings):
+    """Show the mix of `settings`, the scene's own as a frame of an animation evaluates them. Never raises."""
+    try:
+        _write_lighting(scene, settings)
+    except (LibraryError, ValueError) as error:
+        scene.relume["problem"] = str(error)
+
+
+def set_up_afresh(scene):
+    """Set a scene up again after its light groups changed: with the model that it has."""
+    chosen = _plan_of(scene)
+    set_up(scene, scene.relume.model())
+    scene[properties.PLAN] = chosen
+
+
+def remove(scene):
+    """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up.
+
+    What stops it, Ctrl-C too, comes through when it is done all the same. Raises SetupError.
+    """
+    schema.check(scene)
+    with interruption.held_back(), mixer.quiet():
+        try:
+            _remove(scene)
+        except BaseException:
+            _remove(scene)  # every step of it does what is left to do
+            raise
+
+
+def _remove(scene):
+    _take_out(scene)
+    rows.forget_untouched(scene)
+
+
+def _take_out(scene):
+    """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
+    compositing.remove(scene)
+    note.remove(scene)
+    view_layers.remove(scene)
+    render_settings.give_back(scene)
+    _take_back_illuminants(scene)
+    for name in ("problem", "comparing"):
+        scene.relume.property_unset(name)
+    remarks.clear(scene)
+    others = [other for other in bpy.data.scenes if other != scene and other.relume.shades]
+    kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
+    kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
+    for light in lights.local_lights():
+        if light not in kept_lights:
+            lights.restore(light)
+    for tree, owner in sockets.all_trees():
+        if tree not in kept_trees:
+            sockets.restore(tree, owner)
+    if others:
+        spectra.mend_all(others[0].relume.model())
+        glass.mend_all(others[0].relume.model())
+    else:
+        spectra.restore_all()
+        glass.restore_all()
+    nodes.clear_orphans()
+    schema.clear(scene)
+    for key in (properties.PLAN, properties.MODEL):
+        if key in scene:
+            del scene[key]

@@ -1,0 +1,332 @@
+"""The mixer's rows: what shines in each light group, how strongly, and the mixes that the artist keeps.
+
+The names of properties are stored in files and in animations: do not rename them.
+"""
+
+import json
+from contextlib import contextmanager
+from functools import lru_cache
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.types import PropertyGroup
+
+from . import changes
+
+__all__ = [
+    "BALANCE",
+    "CLASSES",
+    "CURVE",
+    "BlendPart",
+    "LightGroup",
+    "Snapshot",
+    "apply",
+    "choices",
+    "is_quiet",
+    "is_touched",
+    "mix_changed",
+    "quiet",
+    "stored_spectrum",
+]
+
+CURVE = "relume_curve"  # on a row: 81 values of its spectrum, the highest 1
+
+SOURCES = [
+    ("LIBRARY", "Named", "An illuminant of the CIE, a measured lamp, or a spectral line such as 589 nm"),
+    ("PLANCKIAN", "Black Body", "A glowing body of a temperature: candles, tungsten lamps"),
+    ("DAYLIGHT", "Daylight", "Daylight of a correlated colour temperature, after the CIE"),
+    ("FILE", "File", "A measurement from a file: CSV, text in columns, TM-27 or CGATS"),
+    ("BLEND", "Blend", "Several illuminants by weight, as on the light dial"),
+]
+# What a row says about its light, and what the scene says about all of them: all that a snapshot keeps
+_ROW = ("source", "illuminant", "temperature", "cct", "path", "measured", "stops", "solo", "mute")
+BALANCE = (
+    "white_balance",
+    "white_balance_method",
+    "white_source",
+    "white_group",
+    "white_pixel",
+    "observer",
+    "observer_path",
+    "observer_measured",
+)
+
+_quiet = 0
+
+
+@contextmanager
+def quiet():
+    """While it is entered, changed properties do not change the picture."""
+    global _quiet
+    _quiet += 1
+    try:
+        yield
+    finally:
+        _quiet -= 1
+
+
+def is_quiet() -> bool:
+    """Whether the mixer is being written, so that what it says now is not yet to be shown."""
+    return _quiet > 0
+
+
+def mix_changed(self, context):
+    """Update of every property that the picture depends on."""
+    if not _quiet:
+        changes.tell(changes.MIX, self.id_data)
+
+
+@lru_cache(maxsize=256)
+def stored_spectrum(text: str):
+    """The Spectrum that a property holds as JSON. Raises SpectrumError."""
+    from ...core.spectra.spectrum import Spectrum, SpectrumError
+
+    if not text:
+        raise SpectrumError("no file has been read yet: choose one")
+    return Spectrum.from_dict(json.loads(text))
+
+
+def _file_chosen(self, context):
+    """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
+    from ...core.spectra import files
+
+    if _quiet or not self.path:
+        return
+    try:
+        found = files.illuminant(bpy.path.abspath(self.path))
+    except ValueError as error:
+        self.id_data.relume.problem = str(error)
+        return
+    self["measured"] = json.dumps(found.to_dict())
+    mix_changed(self, context)
+
+
+def _source_chosen(self, context):
+    """A blend starts with what shone before, and daylight."""
+    if self.source == "BLEND" and not self.blend and not _quiet:
+        with quiet():
+            for name, weight in ((self.illuminant, 1.0), ("A" if self.illuminant == "D65" else "D65", 0.0)):
+                part = self.blend.add()
+                part.illuminant, part.weight = name, weight
+    mix_changed(self, context)
+
+
+def _renamed(self, new, current, is_set):
+    """Give the light group itself the new name; it comes back as Blender can use it."""
+    given = changes.tell(changes.LIGHT_GROUP_RENAMED, self.id_data, current, new) if current else None
+    return new if given is None else given
+
+
+class BlendPart(PropertyGroup):
+    """One illuminant of a blend."""
+
+    illuminant: StringProperty(
+        name="Illuminant", description="An illuminant of the blend", default="D65", update=mix_changed
+    )
+    weight: FloatProperty(
+        name="Weight",
+        description="This illuminant's part in the brightness of the light group",
+        default=1.0,
+        min=0.0,
+        soft_max=1.0,
+        subtype="FACTOR",
+        update=mix_changed,
+    )
+
+
+class LightGroup(PropertyGroup):
+    """One row of the mixer: a light group and what shines in it."""
+
+    name: StringProperty(
+        name="Light Group",
+        description="Name of the light group. Its lamps stay in it when it is renamed",
+        set_transform=_renamed,
+    )
+    source: EnumProperty(
+        name="Kind",
+        description="Where the spectrum of this light group comes from",
+        items=SOURCES,
+        default="LIBRARY",
+        update=_source_chosen,
+    )
+    illuminant: StringProperty(
+        name="Illuminant",
+        description="The spectrum of the lamps in this light group. Changing it changes the picture without rendering",
+        default="D65",
+        update=mix_changed,
+    )
+    temperature: FloatProperty(
+        name="Temperature",
+        description="Temperature of the black body in kelvin: a candle 1900, a tungsten lamp 2850, a halogen lamp 3200",
+        default=2856.0,
+        min=500.0,
+        max=100000.0,
+        soft_min=1000.0,
+        soft_max=12000.0,
+        step=1000,
+        precision=0,
+        subtype="TEMPERATURE",
+        update=mix_changed,
+    )
+    cct: FloatProperty(
+        name="Daylight",
+        description="Correlated colour temperature of the daylight in kelvin: noon 5500, overcast 6500, blue sky 12000",
+        default=6500.0,
+        min=4000.0,
+        max=25000.0,
+        soft_max=15000.0,
+        step=1000,
+        precision=0,
+        subtype="TEMPERATURE",
+        update=mix_changed,
+    )
+    path: StringProperty(
+        name="File",
+        description="A file with wavelengths in nm and power. The spectrum is kept in the scene",
+        subtype="FILE_PATH",
+        update=_file_chosen,
+    )
+    measured: StringProperty(name="Spectrum of the File", options={"HIDDEN"})
+    blend: CollectionProperty(type=BlendPart)
+    stops: FloatProperty(
+        name="Gain",
+        description="Brightness of this light group in stops: 1 is twice what was rendered, -1 half",
+        default=0.0,
+        soft_min=-6.0,
+        soft_max=6.0,
+        step=10,
+        precision=1,
+        update=mix_changed,
+    )
+    solo: BoolProperty(
+        name="Solo", description="Show only this light group and others that are solo", update=mix_changed
+    )
+    mute: BoolProperty(name="Mute", description="Switch this light group off", update=mix_changed)
+    is_lit: BoolProperty(
+        name="Lit", description="Whether anything shone in this light group at set-up", default=True, options={"HIDDEN"}
+    )
+    is_open: BoolProperty(name="Details", description="Show the spectrum and the settings of this light group")
+    swatch: FloatVectorProperty(
+        name="Colour of a White in This Light", subtype="COLOR_GAMMA", size=3, default=(1, 1, 1)
+    )
+
+    @property
+    def gain(self) -> float:
+        """Brightness as a multiple of what was rendered, 0 where the group is mute; solo is not looked at."""
+        from ...core.picture import mixing
+
+        return 0.0 if self.mute else mixing.gain(self.stops)
+
+    @gain.setter
+    def gain(self, value: float):
+        from ...core.picture import mixing
+
+        with quiet():
+            self.mute = value == 0.0
+            if value != 0.0:
+                self.stops = mixing.stops(value)
+        mix_changed(self, bpy.context)
+
+    @property
+    def origin(self) -> str:
+        """The file that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return stored_spectrum(self.measured).source
+        except ValueError:
+            return ""
+
+    @property
+    def label(self) -> str:
+        """What shines, in a few words."""
+        if self.source == "PLANCKIAN":
+            return f"Black body {self.temperature:.0f} K"
+        if self.source == "DAYLIGHT":
+            return f"Daylight {self.cct:.0f} K"
+        if self.source == "FILE":
+            name, origin = bpy.path.basename(self.path), self.origin
+            # A file that was refused is not what shines
+            return origin if origin and not origin.startswith(name) else name or "No file yet"
+        if self.source == "BLEND":
+            return f"Blend of {len(self.blend)}"
+        return self.illuminant
+
+    def spectrum(self):
+        """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
+        from ...core.picture import mixing
+        from ...core.spectra import library
+
+        if self.source == "PLANCKIAN":
+            return library.illuminant(f"Planckian {self.temperature:.0f} K")
+        if self.source == "DAYLIGHT":
+            return library.illuminant(f"D {self.cct:.0f} K")
+        if self.source == "FILE":
+            return stored_spectrum(self.measured)
+        if self.source == "BLEND":
+            return mixing.blend(tuple((library.illuminant(part.illuminant), part.weight) for part in self.blend))
+        return library.illuminant(self.illuminant)
+
+    def light(self):
+        """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
+        from ...core.picture.mix import Light
+
+        return Light(self.spectrum(), self.gain)
+
+
+class Snapshot(PropertyGroup):
+    """A mix that the artist keeps under a name."""
+
+    name: StringProperty(name="Snapshot", description="Name of this mix")
+    mix: StringProperty(options={"HIDDEN"})
+
+
+def is_touched(row) -> bool:
+    """Whether the artist chose anything in a row."""
+    return any(row.is_property_set(name) for name in (*_ROW, "blend"))
+
+
+def choices(settings) -> dict:
+    """All that the mixer says, as a snapshot keeps it."""
+    rows = {}
+    for row in settings.light_groups:
+        rows[row.name] = {name: getattr(row, name) for name in _ROW}
+        rows[row.name]["blend"] = [[part.illuminant, part.weight] for part in row.blend]
+    return {"light_groups": rows, "balance": {name: getattr(settings, name) for name in BALANCE}}
+
+
+def apply(settings, chosen: dict) -> list[str]:
+    """Put back what `choices` kept; returns the names of light groups that the mixer no longer has.
+
+    What it kept not, for it is older than that property, gets its default.
+    """
+    missing = []
+    with quiet():
+        for group, kept in chosen["light_groups"].items():
+            if group not in settings.light_groups:
+                missing.append(group)
+                continue
+            row = settings.light_groups[group]
+            _set(row, {name: kept.get(name, _default(row, name)) for name in _ROW})
+            blend = kept.get("blend", [])
+            if [[part.illuminant, part.weight] for part in row.blend] != blend:
+                row.blend.clear()
+                for illuminant, weight in blend:
+                    part = row.blend.add()
+                    part.illuminant, part.weight = illuminant, weight
+        if chosen["balance"]:
+            _set(settings, {name: chosen["balance"].get(name, _default(settings, name)) for name in BALANCE})
+    mix_changed(settings, bpy.context)
+    return missing
+
+
+def _default(struct, name: str):
+    return struct.bl_rna.properties[name].default
+
+
+def _set(struct, values: dict):
+    """Set what differs: what the artist never touched stays so."""
+    for name, value in values.items():
+        if getattr(struct, name) != value:
+            setattr(struct, name, value)
+
+
+CLASSES = (BlendPart, LightGroup, Snapshot)

@@ -1,0 +1,300 @@
+"""What an artist chooses, kept in the scene: channels, the mixer of light groups, white balance."""
+
+import json
+from dataclasses import replace
+from functools import lru_cache
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.types import PropertyGroup
+
+from . import changes
+from .mixer import CLASSES as MIXER_CLASSES
+from .mixer import LightGroup, Snapshot, mix_changed
+
+__all__ = [
+    "AUTO",
+    "CHANNELS",
+    "CLASSES",
+    "SWITCHING",
+    "LightGroup",
+    "SceneSettings",
+    "model_for",
+    "register",
+    "unregister",
+]
+
+MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
+PLAN = "relume_plan"  # what was asked for, and why this model was chosen
+STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
+REFERENCE_BANDS = 36
+
+AUTO = "auto"
+
+CHANNELS = [
+    (AUTO, "Automatic", "As few passes as this scene needs to stay within the tolerance"),
+    ("3", "3 channels, 1 pass", "As fast as an RGB render; exact enough for one light that stays"),
+    ("6", "6 channels, 2 passes", "Differences seen side by side"),
+    ("9", "9 channels, 3 passes", "Nobody can see the difference to the full spectrum"),
+    ("12", "12 channels, 4 passes", "For lamps with strong lines"),
+    ("15", "15 channels, 5 passes", "For measurements"),
+    ("reference", "Reference, 12 passes", "Every band of 11 nm on its own: slow, to compare with"),
+]
+
+
+SWITCHING = [
+    ("LIT", "Not at All", "The illuminants that are chosen now, in any mixture"),
+    ("COMMON", "To Common Lamps", "Daylight, tungsten, fluorescent, LED and street lamps"),
+    ("ANY", "To Any Lamp", "Every CIE illuminant"),
+]
+
+
+FILE = "FILE"
+
+# The standard observers and the cameras that `core.library` knows
+OBSERVERS = [
+    ("CIE 1931 2°", "CIE 1931, 2°", "The standard observer of colorimetry: small things"),
+    ("CIE 1964 10°", "CIE 1964, 10°", "The supplementary observer: large surfaces"),
+    ("CIE 2015 2°", "CIE 2015, 2°", "From the cone fundamentals of 2006"),
+    ("CIE 2015 10°", "CIE 2015, 10°", "From the cone fundamentals of 2006, for large surfaces"),
+    ("Nikon 5100 (NPL)", "Camera: Nikon D5100", "Sensitivities measured at NPL"),
+    ("Sigma SDMerill (NPL)", "Camera: Sigma SD1 Merrill", "Sensitivities measured at NPL"),
+    (FILE, "From a File", "Three sensitivities in columns"),
+]
+
+
+def model_for(channels: str):
+    """The factor model that an entry of `CHANNELS` stands for."""
+    from ...core.model import bases
+
+    return bases.named("bands", REFERENCE_BANDS) if channels == "reference" else bases.named("fitted", int(channels))
+
+
+@lru_cache(maxsize=8)
+def _model_from(text: str):
+    from ...core.model.factor_model import FactorModel
+
+    return FactorModel.from_dict(json.loads(text))
+
+
+def _observer_chosen(self, context):
+    """Read the file of an observer; what cannot be used is told, and the one that was read before stays."""
+    from ...core.spectra import files
+
+    if not self.observer_path:
+        return
+    try:
+        found = files.observer(bpy.path.abspath(self.observer_path))
+    except ValueError as error:
+        self.problem = str(error)
+        return
+    self["observer_measured"] = json.dumps([spectrum.to_dict() for spectrum in found])
+    mix_changed(self, context)
+
+
+@lru_cache(maxsize=8)
+def _observer_from(text: str):
+    from ...core.spectra.spectrum import Spectrum, SpectrumError
+
+    if not text:
+        raise SpectrumError("no file of an observer or camera has been read yet: choose one")
+    return tuple(Spectrum.from_dict(one) for one in json.loads(text))
+
+
+def _wiped(self, context):
+    changes.tell(changes.WIPE, self.id_data, self.wipe)
+
+
+def _denoising_chosen(self, _):
+    if self.shades:
+        changes.tell(changes.PASSES, self.id_data)
+
+
+class SceneSettings(PropertyGroup):
+    channels: EnumProperty(
+        name="Channels",
+        description="How finely the spectrum is split. Three channels are one render pass",
+        items=CHANNELS,
+        default=AUTO,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Colour difference (CIEDE2000) to the full spectrum that 98 % of the picture keeps to. 1 is just "
+        "noticeable",
+        default=1.0,
+        min=0.02,
+        soft_max=5.0,
+    )
+    switching: EnumProperty(
+        name="Switch Light",
+        description="Which illuminants the picture has to be exact for",
+        items=SWITCHING,
+        default="COMMON",
+    )
+    split_samples: BoolProperty(
+        name="Share Samples",
+        description="Deal the scene's samples out among the passes, so that a spectral render takes about as long as "
+        "an RGB one. Off: every pass takes all samples, with less noise",
+        default=True,
+    )
+    same_seed: BoolProperty(
+        name="Same Noise in Every Pass",
+        description="Use one seed for all passes. Noise is then coloured less but stronger; for comparisons",
+        default=False,
+    )
+    denoise_passes: BoolProperty(
+        name="Denoise Every Pass",
+        description="Denoise every light group of every pass by itself, and not the picture: nearer to the true "
+        "colours, but each change of light takes as many denoisings",
+        default=False,
+        update=_denoising_chosen,
+    )
+    light_groups: CollectionProperty(type=LightGroup)
+    active_light_group: IntProperty()
+    white_balance: FloatProperty(
+        name="White Balance",
+        description="How far the picture adapts to its light. 0: tungsten stays orange, 1: white is white",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=mix_changed,
+    )
+    white_balance_method: EnumProperty(
+        name="Method",
+        description="The space in which white balance scales its channels",
+        items=[("bradford", "Bradford", "As in ICC profiles"), ("sharp", "Sharp", "Sharpened sensors, less skew")],
+        default="bradford",
+        update=mix_changed,
+    )
+    white_source: EnumProperty(
+        name="White Is",
+        description="What becomes white as far as the white balance says",
+        items=[
+            ("MIX", "All Light", "A white surface in the light of all groups together"),
+            ("GROUP", "A Light Group", "A white surface in the light of one group"),
+            ("PIXEL", "A Picked Pixel", "The spot that was picked in the picture, in whatever light"),
+        ],
+        default="MIX",
+        update=mix_changed,
+    )
+    white_group: StringProperty(
+        name="Group", description="The light group whose light becomes white", update=mix_changed
+    )
+    white_pixel: StringProperty(options={"HIDDEN"})
+    observer: EnumProperty(
+        name="Observer",
+        description="Whose eye, or which camera, sees the spectra",
+        items=OBSERVERS,
+        default=OBSERVERS[0][0],
+        update=mix_changed,
+    )
+    observer_path: StringProperty(
+        name="File",
+        description="A file with wavelengths in nm and three sensitivities, in columns. They are kept in the scene",
+        subtype="FILE_PATH",
+        update=_observer_chosen,
+    )
+    observer_measured: StringProperty(options={"HIDDEN"})
+    snapshots: CollectionProperty(type=Snapshot)
+    active_snapshot: IntProperty(name="Snapshot", description="A mix that is kept in this file")
+    comparing: StringProperty(options={"HIDDEN"})
+    wipe: FloatProperty(
+        name="Wipe",
+        description="Where the mixer's picture ends and the snapshot's begins, from the left",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_wiped,
+    )
+    exr: StringProperty(options={"HIDDEN"})
+    problem: StringProperty(options={"SKIP_SAVE"})
+
+    @property
+    def is_set_up(self) -> bool:
+        """Whether the scene carries the spectral set-up."""
+        return MODEL in self.id_data
+
+    @property
+    def denoises_passes(self) -> bool:
+        """Whether the passes are denoised one by one before they are recombined."""
+        return self.denoise_passes and self.id_data.cycles.use_denoising
+
+    @property
+    def request(self) -> str:
+        """What is asked for now: the choices that decide the model."""
+        chosen = (self.channels, f"{self.tolerance:g}", self.switching) if self.channels == AUTO else (self.channels,)
+        return " ".join(chosen)
+
+    @property
+    def plan(self) -> dict:
+        """For a scene that is set up: the `request` that it answers and, if Relume chose, the `reason`."""
+        return dict(self.id_data.get(PLAN, {}))
+
+    def model(self):
+        """The factor model that this scene was set up with."""
+        return _model_from(self.id_data[MODEL])
+
+    @property
+    def lit(self) -> list:
+        """The rows of the mixer in which something shone at set-up: those that are rendered, in order."""
+        return [row for row in self.light_groups if row.is_lit]
+
+    @property
+    def shades(self) -> bool:
+        """Whether the shaders of the scene carry the set-up: that of an EXR that is relit has none."""
+        return self.is_set_up and not self.exr
+
+    def lights(self) -> list:
+        """A `core.mix.Light` for each row of `lit`, with its gain after solo and mute."""
+        from ...core.picture import mixing
+        from ...core.picture.mix import Light
+
+        rows = self.lit
+        gains = mixing.gains([row.stops for row in rows], [row.solo for row in rows], [row.mute for row in rows])
+        return [Light(row.spectrum(), float(gain)) for row, gain in zip(rows, gains, strict=True)]
+
+    def seen_by(self):
+        """The observer, as `core.mix.Mix` takes it. Raises SpectrumError for a file that was not read."""
+        return _observer_from(self.observer_measured) if self.observer == FILE else self.observer
+
+    @property
+    def observer_origin(self) -> str:
+        """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
+        try:
+            return _observer_from(self.observer_measured)[0].source
+        except ValueError:
+            return ""
+
+    def white(self, model, mix):
+        """(3,) XYZ of what becomes white in a `core.mix.Mix`, None for the white of the mix. Raises ValueError."""
+        from ...core.picture import recombination
+        from ...core.picture.mix import Light
+
+        if self.white_source == "GROUP":
+            if self.white_group not in mix.lights:
+                raise ValueError(f"white balance: no light group {self.white_group!r}; choose one")
+            alone = {self.white_group: Light(mix.lights[self.white_group].illuminant)}
+            return recombination.mixed_white(model, replace(mix, lights=alone))
+        if self.white_source == "PIXEL":
+            picked = json.loads(self.white_pixel or "{}")
+            if set(picked) != set(mix.lights) or any(len(c) != model.channels for c in picked.values()):
+                raise ValueError("white balance: no pixel of this render has been picked; pick one in the picture")
+            return recombination.color_of(model, mix, [picked[name] for name in mix.lights])
+        return None
+
+
+CLASSES = (*MIXER_CLASSES, SceneSettings)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.relume = bpy.props.PointerProperty(type=SceneSettings)
+
+
+def unregister():
+    del bpy.types.Scene.relume
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,1 @@
+"""Panels, operators, and what they draw."""

@@ -1,0 +1,40 @@
+"""Pictures of illuminants as Blender's icons. They are drawn by `core.drawing` and kept while Blender runs."""
+
+import bpy
+import bpy.utils.previews
+
+__all__ = ["register", "swatch_and_curve", "unregister"]
+
+
+_previews = None
+
+
+def swatch_and_curve(curve, swatch) -> int:
+    """The icon of an illuminant, of its curve (81,) and swatch (3,): a small picture, and a large plot of the curve.
+
+    0 in a Blender without a window.
+    """
+    from ...core.picture import drawing
+
+    if _previews is None or len(curve) == 0:
+        return 0
+    key = f"{tuple(round(value, 3) for value in curve)} {tuple(round(value, 3) for value in swatch)}"
+    if key not in _previews:
+        preview = _previews.new(key)
+        small, large = drawing.icon(curve, swatch), drawing.plot(curve)
+        preview.icon_size = small.shape[1::-1]
+        preview.icon_pixels_float.foreach_set(small.ravel())
+        preview.image_size = large.shape[1::-1]
+        preview.image_pixels_float.foreach_set(large.ravel())
+    return _previews[key].icon_id
+
+
+def register():
+    global _previews
+    _previews = bpy.utils.previews.new()
+
+
+def unregister():
+    global _previews
+    bpy.utils.previews.remove(_previews)
+    _previews = None

@@ -1,0 +1,182 @@
+"""Pixels of the picture in the Image Editor: the spectrum under the cursor, and a spot that becomes white."""
+
+import json
+import tempfile
+from pathlib import Path
+
+import bpy
+from bpy.types import Operator
+
+from ...core.picture import coefficients
+from ...core.picture.coefficients import CoefficientImageError
+from ...core.picture.mix import Mix
+from ...core.spectra.library import LibraryError
+from ..scene import view_layers
+
+__all__ = ["CLASSES", "coefficients_of"]
+
+
+def coefficients_of(context):
+    """({light group: (height, width, p)}) of what the Image Editor of this context shows. Raises CoefficientImageError.
+
+    A render is written to a temporary file and read back: Blender gives no other way to its passes.
+    """
+    scene = context.scene
+    if scene.relume.exr:
+        from ..scene import exr
+
+        return exr.read_current(scene).groups
+    layers = [layer.name for layer in next(iter(view_layers.pass_layers(scene).values()))]
+    groups = [row.name for row in scene.relume.lit]
+    settings = scene.render.image_settings
+    wanted = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
+    before = {name: getattr(settings, name) for name in wanted}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "render.exr"
+        try:
+            for name, value in wanted.items():
+                setattr(settings, name, value)
+            bpy.ops.image.save_as(filepath=str(path), copy=True, check_existing=False)
+        except RuntimeError as error:
+            raise CoefficientImageError(f"nothing has been rendered yet ({str(error).strip()})") from error
+        finally:
+            for name, value in before.items():
+                setattr(settings, name, value)
+        return coefficients.read_render(path, scene.relume.model(), layers, groups)[0]
+
+
+class _Picking:
+    """A modal operator in the Image Editor that knows the coefficients under the cursor."""
+
+    bl_options = {"REGISTER", "UNDO", "BLOCKING"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.relume.is_set_up:
+            cls.poll_message_set("this scene is not set up for spectral rendering")
+            return False
+        if not any(_shows_picture(area) for area in context.screen.areas):
+            cls.poll_message_set("no Image Editor in this window shows a render")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        self.area = next(area for area in context.screen.areas if _shows_picture(area))
+        self.region = next(region for region in self.area.regions if region.type == "WINDOW")
+        try:
+            with context.temp_override(area=self.area, region=self.region):
+                self.images = coefficients_of(context)
+            self.begin(context)
+        except (LibraryError, ValueError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        context.window_manager.modal_handler_add(self)
+        context.window.cursor_modal_set("EYEDROPPER")
+        return {"RUNNING_MODAL"}
+
+    def begin(self, context):
+        """What there is to do before the first event."""
+
+    def pixel(self, event):
+        """(groups, p) coefficients under the cursor, None beside the picture."""
+        u, v = self.region.view2d.region_to_view(event.mouse_x - self.region.x, event.mouse_y - self.region.y)
+        height, width, _ = next(iter(self.images.values())).shape
+        x, y = int(u * width // 1), int((1.0 - v) * height // 1)
+        if not (0 <= x < width and 0 <= y < height):
+            return None
+        return [image[y, x].tolist() for image in self.images.values()]
+
+    def end(self, context, result):
+        context.window.cursor_modal_restore()
+        self.area.tag_redraw()
+        return result
+
+
+def _shows_picture(area) -> bool:
+    image = area.spaces.active.image if area.type == "IMAGE_EDITOR" else None
+    return image is not None and image.type == "RENDER_RESULT"
+
+
+class PickWhite(_Picking, Operator):
+    """Click a spot of the picture: it becomes white, whatever the light is changed to"""
+
+    bl_idname = "relume.pick_white"
+    bl_label = "Pick White"
+
+    def modal(self, context, event):
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            return self.end(context, {"CANCELLED"})
+        if event.type == "LEFTMOUSE" and event.value == "PRESS":
+            found = self.pixel(event)
+            if found is None:
+                return self.end(context, {"CANCELLED"})
+            settings = context.scene.relume
+            settings.white_pixel = json.dumps(dict(zip(self.images, found, strict=True)))
+            settings.white_source = "PIXEL"
+            settings.white_balance = settings.white_balance or 1.0
+            return self.end(context, {"FINISHED"})
+        return {"RUNNING_MODAL"}
+
+
+class InspectPixels(_Picking, Operator):
+    """Show the spectrum under the cursor. Click a second spot to compare with; Esc ends"""
+
+    bl_idname = "relume.inspect"
+    bl_label = "Inspect Pixels"
+    bl_options = {"REGISTER", "BLOCKING"}
+
+    def begin(self, context):
+        self.shown = self.pinned = None
+        self.words = []
+        settings = context.scene.relume
+        lights = dict(zip(self.images, settings.lights(), strict=True))
+        self.model, self.mix = settings.model(), Mix(lights, observer=settings.seen_by())
+        self.space = type(self.area.spaces.active)
+        self.handle = self.space.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
+        context.workspace.status_text_set("Spectrum under the cursor: click to compare with a spot, Esc to end")
+
+    def modal(self, context, event):
+        from ...core.picture import inspection
+
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            self.space.draw_handler_remove(self.handle, "WINDOW")
+            context.workspace.status_text_set(None)
+            return self.end(context, {"FINISHED"})
+        if event.type in {"MOUSEMOVE", "LEFTMOUSE"}:
+            found = self.pixel(event)
+            self.shown = found and inspection.inspect(self.model, self.mix, found)
+            if event.type == "LEFTMOUSE" and event.value == "PRESS":
+                self.pinned = self.shown
+            self.words = self._words()
+            self.area.tag_redraw()
+        return {"RUNNING_MODAL"}
+
+    def _words(self) -> list[str]:
+        from ...core.picture import inspection
+
+        if self.shown is None:
+            return ["beside the picture"]
+        words = ["XYZ  " + "  ".join(f"{value:.4f}" for value in self.shown.xyz)]
+        if self.pinned is not None:
+            apart = inspection.difference(self.model, self.mix, self.shown, self.pinned)
+            words.append(f"ΔE2000 to the clicked spot  {apart:.2f}")
+        return words
+
+    def _draw(self):
+        if bpy.context.region != self.region or self.shown is None:
+            return
+        from . import overlay
+
+        scale = bpy.context.preferences.system.ui_scale
+        left, bottom, width, height = 20 * scale, 20 * scale, 300 * scale, 110 * scale
+        overlay.rectangle(left - 8 * scale, bottom - 8 * scale, width + 16 * scale, height + 62 * scale)
+        overlay.spectrum(self.shown.spectrum, left, bottom + 16 * scale, width, height)
+        if self.pinned is not None:
+            overlay.line(self.pinned.spectrum, left, bottom + 16 * scale, width, height)
+        overlay.text("380 nm", left, bottom, scale)
+        overlay.text("780 nm", left + width - 44 * scale, bottom, scale)
+        for number, words in enumerate(reversed(self.words)):
+            overlay.text(words, left, bottom + height + (22 + 16 * number) * scale, scale)
+
+
+CLASSES = (PickWhite, InspectPixels)

@@ -1,0 +1,222 @@
+"""Measured spectra in materials: the panel that lists the spectral sockets, and the operators behind its buttons."""
+
+from functools import cache
+from pathlib import Path
+
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Operator, Panel
+from bpy.utils import register_classes_factory
+from bpy_extras.io_utils import ImportHelper
+
+from ...core.spectra.spectrum import SpectrumError
+from ..graph import glass, nodes, spectra
+from ..graph.closures import in_use, spectral_sockets
+
+__all__ = ["CLASSES", "chosen_at", "places", "register", "unregister"]
+
+# What a socket, or a whole node, takes from the library
+_REFLECTANCE, _METAL, _GLASS = "reflectance", "metal", "glass"
+_WORDS = {_REFLECTANCE: "RGB colour", _METAL: "RGB metal", _GLASS: "Without dispersion"}
+
+
+def places(material) -> list[tuple[str, str, str]]:
+    """(node, socket identifier, what it takes) of every place in a material that can have a measured spectrum.
+
+    A metal or a glass is chosen for the whole of a node: its socket is "".
+    """
+    found = []
+    for node in material.node_tree.nodes if material.node_tree else ():
+        if node.bl_idname in glass.GLASS_NODES or nodes.role(node) == "glass":
+            found.append((node.name, "", _GLASS))
+        if node.bl_idname == "ShaderNodeBsdfMetallic":
+            found.append((node.name, "", _METAL))
+        else:
+            found += [(node.name, s.identifier, _REFLECTANCE) for s in spectral_sockets(node) if in_use(s)]
+    return found
+
+
+def chosen_at(node, identifier: str, takes: str) -> str:
+    """Name of the spectrum at a place, "" if there is none."""
+    if takes == _GLASS:
+        return spectra.spectra_of(node.node_tree)["IOR"].name if nodes.role(node) == "glass" else ""
+    socket = node.inputs["IOR"] if takes == _METAL else _socket(node, identifier)
+    tree = spectra.source_of(socket)
+    return next(iter(spectra.spectra_of(tree).values())).name if tree and spectra.SPECTRA in tree else ""
+
+
+def _socket(node, identifier: str):
+    return next(socket for socket in node.inputs if socket.identifier == identifier)
+
+
+@cache  # Blender keeps no reference to the strings
+def _library(takes: str) -> list[tuple[str, str, str]]:
+    from ...core.spectra import library
+
+    if takes == _METAL:
+        return [(name, name, "") for name in library.conductors()]
+    if takes == _GLASS:
+        return [(name, name, "") for name in library.glasses()]
+    found = [spectrum for label in library.REFLECTANCE_SETS for spectrum in library.reflectances(label)]
+    return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
+
+
+def assign_from_library(material, node, identifier: str, takes: str, name: str):
+    """Put a spectrum of the library in a place of a material. Raises LibraryError."""
+    from ...core.spectra import library
+
+    if takes == _METAL:
+        n, k = library.conductor(name)
+        _assign_metal(material, node, n, k)
+    elif takes == _GLASS:
+        glass.replace(node, library.glass(name))
+    else:
+        _assign_reflectance(material, _socket(node, identifier), library.reflectance(name))
+
+
+def _assign_reflectance(material, socket, spectrum):
+    spectra.assign(material, socket, spectra.existing({"Color": spectrum}) or spectra.new_reflectance(spectrum))
+
+
+def _assign_metal(material, node, n, k):
+    tree = spectra.existing({"IOR": n, "Extinction": k}) or spectra.new_conductor(n.name, n, k)
+    node.fresnel_type = "PHYSICAL_CONDUCTOR"
+    for output in ("IOR", "Extinction"):
+        spectra.assign(material, node.inputs[output], tree, output)
+
+
+class _Place:
+    """An operator on one place of the active material."""
+
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    node: StringProperty(options={"HIDDEN"})
+    socket: StringProperty(options={"HIDDEN"})
+    takes: StringProperty(options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        material = _material(context)
+        if material is None or not material.is_editable:
+            cls.poll_message_set("no material that can be edited here")
+            return False
+        return True
+
+    def target(self, context):
+        material = _material(context)
+        return material, material.node_tree.nodes[self.node]
+
+
+def _material(context):
+    return getattr(context, "material", None) or (context.object and context.object.active_material)
+
+
+class AssignSpectrum(_Place, Operator):
+    """Give this part of the material a measured spectrum from the library"""
+
+    bl_idname = "relume.assign_spectrum"
+    bl_label = "Spectrum"
+    bl_property = "spectrum"
+
+    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or _REFLECTANCE))
+
+    def invoke(self, context, event):
+        context.window_manager.invoke_search_popup(self)
+        return {"INTERFACE"}
+
+    def execute(self, context):
+        assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
+        return {"FINISHED"}
+
+
+class AssignSpectrumFile(_Place, Operator, ImportHelper):
+    """Give this part of the material a measured spectrum from a file: CSV, SPD, SPDX or CGATS. A metal: n and k"""
+
+    bl_idname = "relume.assign_spectrum_file"
+    bl_label = "Spectrum from File"
+
+    filter_glob: StringProperty(
+        default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie;*.ti3", options={"HIDDEN"}
+    )
+
+    def execute(self, context):
+        from ...core.spectra import files
+
+        material, node = self.target(context)
+        try:
+            found = files.read(self.filepath, _REFLECTANCE if self.takes == _REFLECTANCE else "refractive index")
+            if self.takes == _METAL:
+                n, k = _metal_in(found, Path(self.filepath))
+                _assign_metal(material, node, n, k)
+            elif self.takes == _GLASS:
+                glass.replace(node, found[0])
+            else:
+                _assign_reflectance(material, _socket(node, self.socket), found[0])
+        except SpectrumError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        used = 2 if self.takes == _METAL else 1
+        rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
+        self.report({"INFO"}, f"From {found[0].source}{rest}")
+        return {"FINISHED"}
+
+
+def _metal_in(columns: list, path: Path):
+    """n and k of a metal from a file's first two spectra. Raises SpectrumError."""
+    from dataclasses import replace
+
+    if len(columns) < 2:
+        raise SpectrumError(f"{path}: a metal needs two columns after the wavelengths, n and k")
+    n, k = columns[:2]
+    return replace(n, name=path.stem), replace(k, name=path.stem, kind="extinction")
+
+
+class ClearSpectrum(_Place, Operator):
+    """Let this part of the material have its RGB colour again"""
+
+    bl_idname = "relume.clear_spectrum"
+    bl_label = "Clear Spectrum"
+
+    def execute(self, context):
+        material, node = self.target(context)
+        if self.takes == _GLASS:
+            glass.put_back(node)
+        elif self.takes == _METAL:
+            for name in ("IOR", "Extinction"):
+                spectra.unassign(material, node.inputs[name])
+        else:
+            spectra.unassign(material, _socket(node, self.socket))
+        return {"FINISHED"}
+
+
+class MaterialPanel(Panel):
+    bl_idname = "MATERIAL_PT_relume"
+    bl_label = "Relume Spectra"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.material is not None and context.material.node_tree is not None
+
+    def draw(self, context):
+        material, layout = context.material, self.layout
+        for name, identifier, takes in places(material):
+            node = material.node_tree.nodes[name]
+            chosen = chosen_at(node, identifier, takes)
+            column = layout.column(align=True)
+            column.label(text=f"{node.label or name}: {_socket(node, identifier).name}" if identifier else name)
+            row = column.row(align=True)
+            buttons = [row.operator("relume.assign_spectrum", text=chosen or _WORDS[takes], icon="DOWNARROW_HLT")]
+            buttons.append(row.operator("relume.assign_spectrum_file", text="", icon="FILEBROWSER"))
+            if chosen:
+                buttons.append(row.operator("relume.clear_spectrum", text="", icon="X"))
+            for button in buttons:
+                button.node, button.socket, button.takes = name, identifier, takes
+
+
+CLASSES = (AssignSpectrum, AssignSpectrumFile, ClearSpectrum, MaterialPanel)
+
+
+register, unregister = register_classes_factory(CLASSES)

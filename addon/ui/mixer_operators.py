@@ -1,0 +1,256 @@
+"""What the mixer's buttons do."""
+
+from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.types import Operator
+
+from ...core.errors import SetupError
+from ..scene import compositing, light_groups, setup
+from ..store import mixer, schema
+from . import icons
+
+__all__ = ["CLASSES", "NeedsSetUp"]
+
+
+class NeedsSetUp:
+    """Of operators that need a scene that is set up, and are one step of undo."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.relume.is_set_up:
+            cls.poll_message_set("this scene is not set up for spectral rendering")
+            return False
+        return True
+
+
+_ITEMS = []  # Blender keeps no reference to the strings
+
+
+def _illuminants(self=None, context=None):
+    """Every named illuminant with its family, icon and number, as a menu wants them."""
+    from ...core.picture import drawing
+    from ...core.spectra import library
+
+    if not _ITEMS:
+        for family, names in library.illuminants().items():
+            for name in names:
+                spectrum = library.illuminant(name)
+                icon = icons.swatch_and_curve(drawing.curve(spectrum).tolist(), drawing.swatch(spectrum).tolist())
+                _ITEMS.append((name, f"{name}  ({family})", family, icon, len(_ITEMS)))
+    return _ITEMS
+
+
+class ChooseIlluminant(Operator):
+    """Choose the spectrum of the lamps in this light group. The picture follows without rendering"""
+
+    # An operator, because Blender's own search field leaves no undo step
+    bl_idname = "relume.choose_illuminant"
+    bl_label = "Illuminant"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+    bl_property = "illuminant"
+
+    illuminant: EnumProperty(name="Illuminant", items=_illuminants)
+    group: IntProperty(options={"HIDDEN"})
+    part: IntProperty(options={"HIDDEN"}, default=-1)
+
+    def invoke(self, context, event):
+        context.window_manager.invoke_search_popup(self)
+        return {"INTERFACE"}
+
+    def execute(self, context):
+        row = context.scene.relume.light_groups[self.group]
+        if self.part >= 0:
+            row.blend[self.part].illuminant = self.illuminant
+            return {"FINISHED"}
+        with mixer.quiet():
+            row.source = "LIBRARY"
+        row.illuminant = self.illuminant
+        return {"FINISHED"}
+
+
+class ChangeBlend(NeedsSetUp, Operator):
+    """Add an illuminant to this blend, or take one out"""
+
+    bl_idname = "relume.change_blend"
+    bl_label = "Change Blend"
+
+    group: IntProperty(options={"HIDDEN"})
+    part: IntProperty(options={"HIDDEN"}, default=-1)
+
+    def execute(self, context):
+        row = context.scene.relume.light_groups[self.group]
+        if self.part < 0:
+            with mixer.quiet():
+                row.blend.add().weight = 0.0
+        else:
+            row.blend.remove(self.part)
+        mixer.mix_changed(row, context)
+        return {"FINISHED"}
+
+
+class Regroup(NeedsSetUp, Operator):
+    """Put everything that shines into new light groups. Then render again"""
+
+    bl_idname = "relume.regroup"
+    bl_label = "New Light Groups"
+
+    way: EnumProperty(name="Groups", items=light_groups.WAYS)
+
+    def execute(self, context):
+        try:
+            count = light_groups.regroup(context.scene, self.way)
+        except setup.SetupError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count} light groups; render again to see them")
+        return {"FINISHED"}
+
+
+class AddLights(NeedsSetUp, Operator):
+    """Put the selected lamps and shining objects into this light group. Then render again"""
+
+    bl_idname = "relume.add_lights"
+    bl_label = "Add Selected Lights"
+
+    group: StringProperty(options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if not context.selected_objects:
+            cls.poll_message_set("no object is selected")
+            return False
+        return super().poll(context)
+
+    def execute(self, context):
+        count = light_groups.add(context.scene, self.group, context.selected_objects)
+        if not count:
+            self.report({"ERROR"}, "nothing that shines is selected")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count} in {self.group}; render again to see it")
+        return {"FINISHED"}
+
+
+class RemoveEmptyGroups(NeedsSetUp, Operator):
+    """Remove the light groups in which nothing shines. Until then they cost nothing but their row"""
+
+    bl_idname = "relume.remove_empty_groups"
+    bl_label = "Remove Groups without Lights"
+
+    def execute(self, context):
+        names = light_groups.remove_empty(context.scene)
+        self.report({"INFO"}, f"removed {', '.join(names)}" if names else "every light group has lights")
+        return {"FINISHED"} if names else {"CANCELLED"}
+
+
+class TakeSnapshot(NeedsSetUp, Operator):
+    """Keep this mix in the file, to come back to it or to compare with it"""
+
+    bl_idname = "relume.take_snapshot"
+    bl_label = "Take Snapshot"
+
+    def execute(self, context):
+        settings = context.scene.relume
+        taken = {snapshot.name for snapshot in settings.snapshots}
+        number = next(n for n in range(1, len(taken) + 2) if f"Mix {n}" not in taken)
+        snapshot = settings.snapshots.add()
+        snapshot.name, snapshot.mix = f"Mix {number}", schema.snapshot_text(mixer.choices(settings))
+        settings.active_snapshot = len(settings.snapshots) - 1
+        return {"FINISHED"}
+
+
+class _OfSnapshot(NeedsSetUp):
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if not 0 <= context.scene.relume.active_snapshot < len(context.scene.relume.snapshots):
+            cls.poll_message_set("there is no snapshot: take one")
+            return False
+        return True
+
+    @staticmethod
+    def chosen(context):
+        settings = context.scene.relume
+        return settings.snapshots[settings.active_snapshot]
+
+
+class ForgetSnapshot(_OfSnapshot, Operator):
+    """Remove this snapshot from the file"""
+
+    bl_idname = "relume.forget_snapshot"
+    bl_label = "Remove Snapshot"
+
+    def execute(self, context):
+        settings = context.scene.relume
+        settings.snapshots.remove(settings.active_snapshot)
+        settings.active_snapshot = max(0, settings.active_snapshot - 1)
+        return {"FINISHED"}
+
+
+class ApplySnapshot(_OfSnapshot, Operator):
+    """Put the mixer back to this snapshot"""
+
+    bl_idname = "relume.apply_snapshot"
+    bl_label = "Apply Snapshot"
+
+    def execute(self, context):
+        try:
+            missing = mixer.apply(context.scene.relume, schema.snapshot(self.chosen(context).mix))
+        except SetupError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if missing:
+            self.report({"WARNING"}, f"the mixer has no light group {', '.join(missing)}: the rest is applied")
+        return {"FINISHED"}
+
+
+class Compare(_OfSnapshot, Operator):
+    """Show this snapshot in the right part of the picture, beside the mixer's"""
+
+    bl_idname = "relume.compare"
+    bl_label = "Compare with Snapshot"
+
+    def execute(self, context):
+        scene, settings = context.scene, context.scene.relume
+        if settings.comparing:
+            compositing.end_comparison(scene)
+            settings.comparing = ""
+            return {"FINISHED"}
+        snapshot = self.chosen(context)
+        try:
+            compositing.compare(scene, setup.matrices_of(scene, schema.snapshot(snapshot.mix)))
+        except (SetupError, ValueError) as error:
+            self.report({"ERROR"}, f"{snapshot.name}: {error}")
+            return {"CANCELLED"}
+        settings.comparing = snapshot.name
+        return {"FINISHED"}
+
+
+class WriteToLights(NeedsSetUp, Operator):
+    """Give the lamps the brightness that the mixer says, and set the mixer's gains to 0. Then render again"""
+
+    bl_idname = "relume.write_to_lights"
+    bl_label = "Write to Lights"
+
+    def execute(self, context):
+        kept = light_groups.write_gains(context.scene)
+        if kept:
+            self.report({"WARNING"}, f"left as they are, for their strength is linked or shared: {', '.join(kept)}")
+        else:
+            self.report({"INFO"}, "the lamps are as bright as the mixer said; render again")
+        return {"FINISHED"}
+
+
+CLASSES = (
+    ChooseIlluminant,
+    ChangeBlend,
+    Regroup,
+    AddLights,
+    RemoveEmptyGroups,
+    TakeSnapshot,
+    ForgetSnapshot,
+    ApplySnapshot,
+    Compare,
+    WriteToLights,
+)

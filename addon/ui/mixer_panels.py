@@ -1,0 +1,149 @@
+"""The mixer as it is drawn: light groups, white balance, snapshots, animation. Reads only what is at hand."""
+
+import textwrap
+
+from ...core.picture.coefficients import EVERYTHING_ELSE
+from ..store.mixer import CURVE
+from . import icons
+
+__all__ = ["draw", "words"]
+
+
+def draw(layout, settings):
+    """The mixer of a scene that is set up."""
+    for index, row in enumerate(settings.light_groups):
+        _draw_row(layout, settings, row, index)
+    line = layout.row(align=True)
+    line.operator_menu_enum("relume.regroup", "way", text="Light Groups", icon="OUTLINER_OB_LIGHT")
+    line.operator("relume.remove_empty_groups", text="", icon="BRUSH_DATA")
+    if settings.problem:
+        words(layout, settings.problem, alert=True)
+    _draw_balance(layout, settings)
+    _draw_snapshots(layout, settings)
+    _draw_output(layout, settings)
+
+
+def _draw_row(layout, settings, row, index: int):
+    box = layout.box().column(align=True)
+    box.use_property_split = False
+    line = box.row(align=True)
+    line.active = row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
+    line.prop(row, "is_open", text="", icon="DOWNARROW_HLT" if row.is_open else "RIGHTARROW", emboss=False)
+    icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
+    if row.name == EVERYTHING_ELSE:
+        line.label(text=row.name)
+    else:
+        line.prop(row, "name", text="")
+    if not row.is_lit:
+        line.label(text="no lights")
+    gain = line.row(align=True)
+    gain.ui_units_x = 4.2
+    gain.prop(row, "stops", text="")
+    line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
+    line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
+    # The name of an illuminant can be long: it has the whole width
+    chosen = box.operator(
+        "relume.choose_illuminant",
+        text=row.label,
+        **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
+    )
+    chosen.group, chosen.part = index, -1
+    if row.is_open:
+        _draw_details(box, row, index, icon)
+
+
+def _draw_details(box, row, index: int, icon: int):
+    box.separator(factor=0.5)
+    box.prop(row, "source", text="")
+    if row.source == "PLANCKIAN":
+        box.prop(row, "temperature", slider=True)
+    elif row.source == "DAYLIGHT":
+        box.prop(row, "cct", slider=True)
+    elif row.source == "FILE":
+        box.prop(row, "path", text="")
+        if row.origin:
+            words(box, f"From {row.origin}")
+    elif row.source == "BLEND":
+        _draw_blend(box, row, index)
+    if icon:
+        box.template_icon(icon_value=icon, scale=5.0)
+    box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+
+
+def _draw_blend(box, row, index: int):
+    for number, part in enumerate(row.blend):
+        line = box.row(align=True)
+        chosen = line.operator("relume.choose_illuminant", text=part.illuminant)
+        chosen.group, chosen.part = index, number
+        line.prop(part, "weight", text="", slider=True)
+        removed = line.operator("relume.change_blend", text="", icon="REMOVE")
+        removed.group, removed.part = index, number
+    line = box.row(align=True)
+    added = line.operator("relume.change_blend", text="Add Illuminant", icon="ADD")
+    added.group, added.part = index, -1
+    line.operator("relume.light_dial", text="Light Dial", icon="MESH_CIRCLE").group = index
+
+
+def _draw_balance(layout, settings):
+    header, body = layout.panel("relume_balance", default_closed=False)
+    header.label(text="White and Observer")
+    if body is None:
+        return
+    body.prop(settings, "white_balance")
+    column = body.column()
+    column.active = settings.white_balance > 0.0
+    column.prop(settings, "white_source")
+    if settings.white_source == "GROUP":
+        column.prop_search(settings, "white_group", settings, "light_groups")
+    elif settings.white_source == "PIXEL":
+        column.operator("relume.pick_white", icon="EYEDROPPER")
+    column.prop(settings, "white_balance_method")
+    body.prop(settings, "observer")
+    if settings.observer == "FILE":
+        body.prop(settings, "observer_path")
+        if settings.observer_origin:
+            words(body, f"From {settings.observer_origin}")
+
+
+def _draw_snapshots(layout, settings):
+    header, body = layout.panel("relume_snapshots", default_closed=True)
+    header.label(text="Snapshots")
+    if body is None:
+        return
+    line = body.row()
+    line.template_list(
+        "UI_UL_list", "relume_snapshots", settings, "snapshots", settings, "active_snapshot", rows=2, maxrows=5
+    )
+    buttons = line.column(align=True)
+    buttons.operator("relume.take_snapshot", text="", icon="ADD")
+    buttons.operator("relume.forget_snapshot", text="", icon="REMOVE")
+    line = body.row(align=True)
+    line.operator("relume.apply_snapshot", text="Apply")
+    line.operator("relume.compare", text="Stop" if settings.comparing else "Compare", depress=bool(settings.comparing))
+    if settings.comparing:
+        body.label(text=f"Right of the line: {settings.comparing}")
+        body.prop(settings, "wipe", slider=True)
+    body.operator("relume.write_to_lights", icon="LIGHT")
+
+
+def _draw_output(layout, settings):
+    header, body = layout.panel("relume_output", default_closed=True)
+    header.label(text="Pixels and Files")
+    if body is None:
+        return
+    body.operator("relume.inspect", icon="EYEDROPPER")
+    if settings.exr:
+        words(body, f"Lit from {settings.exr}")
+    else:
+        body.operator("relume.write_sidecar", icon="FILE_TEXT")
+    body.operator("relume.relight_exr", icon="FILE_IMAGE")
+    body.operator("relume.share_as_web_page", icon="URL")
+    body.operator("relume.paste_mix", icon="PASTEDOWN")
+
+
+def words(layout, text: str, alert: bool = False, width: int = 38):
+    """A sentence, wrapped so that a narrow sidebar does not cut it."""
+    column = layout.column(align=True)
+    column.alert = alert
+    for line in textwrap.wrap(text, width):
+        column.label(text=line)

@@ -1,0 +1,63 @@
+"""Drawing over a region of the window: discs, rectangles, curves and words, in pixels."""
+
+import numpy as np
+
+from ...core.picture import drawing
+
+__all__ = ["disc", "line", "rectangle", "spectrum", "text"]
+
+_DARK = (0.12, 0.12, 0.12, 0.85)
+
+
+def _draw(kind: str, places, color, indices=None):
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    batch = batch_for_shader(shader, kind, {"pos": places}, indices=indices)
+    gpu.state.blend_set("ALPHA")
+    shader.uniform_float("color", color)
+    batch.draw(shader)
+    gpu.state.blend_set("NONE")
+
+
+def disc(center, radius: float, color):
+    """A filled disc."""
+    places = drawing.circle(48) * radius + center
+    _draw("TRIS", places.tolist(), color, [(0, i, i + 1) for i in range(1, 47)])
+
+
+def rectangle(left: float, bottom: float, width: float, height: float, color=_DARK):
+    """A filled rectangle, dark unless a colour is given."""
+    right, top = left + width, bottom + height
+    places = [(left, bottom), (right, bottom), (right, top), (left, top)]
+    _draw("TRIS", places, color, [(0, 1, 2), (0, 2, 3)])
+
+
+def spectrum(values, left: float, bottom: float, width: float, height: float):
+    """The area under a curve of 81 values, in the colours of its light."""
+    import gpu
+    from gpu_extras.batch import batch_for_shader
+
+    places, colors = drawing.ribbon(values)
+    places = places * np.array([width, height]) + np.array([left, bottom])
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    batch = batch_for_shader(shader, "TRI_STRIP", {"pos": places.tolist(), "color": colors.tolist()})
+    batch.draw(shader)
+
+
+def line(values, left: float, bottom: float, width: float, height: float, color=(1.0, 1.0, 1.0, 1.0)):
+    """A curve of 81 values."""
+    places, _ = drawing.ribbon(values)
+    _draw("LINE_STRIP", (places[1::2] * np.array([width, height]) + np.array([left, bottom])).tolist(), color)
+
+
+def text(words: str, x: float, y: float, scale: float, centered: bool = False):
+    """Words in white, from `x` or around it."""
+    import blf
+
+    blf.size(0, 11 * scale)
+    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    width, _ = blf.dimensions(0, words)
+    blf.position(0, x - width / 2 if centered else x, y, 0)
+    blf.draw(0, words)

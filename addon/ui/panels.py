@@ -1,0 +1,95 @@
+"""The Relume panel, in the sidebar of the 3D view and in the render properties."""
+
+import bpy
+from bpy.types import Panel
+
+from ..store.properties import AUTO
+from . import left_out, mixer_panels, remarks_panel, report_panel
+
+__all__ = ["CLASSES", "register", "unregister"]
+
+
+class _Relume:
+    bl_label = "Relume"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.relume
+        if settings.is_set_up:
+            _draw_mixer(layout, settings)
+        else:
+            _draw_introduction(layout, settings)
+
+
+def _draw_introduction(layout, settings):
+    column = layout.column(align=True)
+    column.label(text="Render the whole spectrum,")
+    column.label(text="choose the light afterwards.")
+    _draw_choice(layout, settings)
+    row = layout.row()
+    row.scale_y = 1.6
+    row.operator("relume.set_up", icon="LIGHT_AREA")
+
+
+def _draw_mixer(layout, settings):
+    model, plan = settings.model(), settings.plan
+    layout.label(
+        text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({model.label})", icon="RENDER_STILL"
+    )
+    if plan.get("reason"):
+        mixer_panels.words(layout, plan["reason"])
+    if plan.get("request") != settings.request:
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("relume.set_up", text="Apply New Channels", icon="FILE_REFRESH")
+    mixer_panels.draw(layout, settings)
+    layout.separator()
+    _draw_choice(layout, settings)
+    layout.operator("relume.remove", icon="TRASH")
+
+
+def _draw_choice(layout, settings):
+    layout.prop(settings, "channels")
+    if settings.channels == AUTO:
+        layout.prop(settings, "tolerance")
+        layout.prop(settings, "switching")
+    layout.prop(settings, "split_samples")
+
+
+class SidebarPanel(_Relume, Panel):
+    bl_idname = "VIEW3D_PT_relume"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Relume"
+
+
+class ImagePanel(_Relume, Panel):
+    bl_idname = "IMAGE_PT_relume"
+    bl_space_type = "IMAGE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Relume"
+
+
+class RenderPanel(_Relume, Panel):
+    bl_idname = "RENDER_PT_relume"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    bl_order = -1
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    report_panel.end()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,1 @@
+"""Colour: spaces and white balance, and how far two colours are apart."""

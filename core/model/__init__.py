@@ -1,0 +1,1 @@
+"""Factor models: filters that make coefficients of spectra, and matrices that make colours of coefficients."""

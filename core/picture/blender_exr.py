@@ -1,0 +1,117 @@
+"""The multilayer EXR that Blender writes: view layers, their passes, and what Cycles notes in the header.
+
+A channel is called LAYER.PASS.CHANNEL, whether every pass has a part of its own or all are interleaved in one.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import CoefficientImageError
+from ..model.factor_model import FactorModel
+from . import exr
+from .coefficient_image import EVERYTHING_ELSE
+
+__all__ = ["check_unknown", "light_pass", "read_guides", "read_render", "read_render_times", "size"]
+
+_COMPLETE = "render all view layers of the scene as it was set up"
+
+
+def light_pass(group: str) -> str:
+    """Name of the render pass that holds a light group; Blender has no dots in the names of passes."""
+    return "Combined" if group == EVERYTHING_ELSE else f"Combined_{group.replace('.', '_')}"
+
+
+def _channels_of(layers: Sequence[str], pass_name: str, channels: int) -> list[str]:
+    return [f"{layer}.{pass_name}.{c}" for layer in layers for c in "RGB"][:channels]
+
+
+def _wanted(model: FactorModel, layers: Sequence[str], groups: Iterable[str]) -> list[str]:
+    names = [name for group in groups for name in _channels_of(layers, light_pass(group), model.channels)]
+    return [*names, _alpha(layers)]
+
+
+def _alpha(layers: Sequence[str]) -> str:
+    return f"{layers[0]}.Combined.A"
+
+
+def _check(path: Path, wanted: Sequence[str], found: Iterable[str], why: str) -> None:
+    missing = set(wanted) - set(found)
+    if missing:
+        first = next(name for name in wanted if name in missing)
+        raise CoefficientImageError(f"{path}: pass {first.rpartition('.')[0]!r} is missing; {why}")
+
+
+def size(path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]) -> tuple[int, int]:
+    """(width, height) of a render whose coefficient passes are all there and whole. Raises CoefficientImageError."""
+    path, wanted = Path(path), _wanted(model, layers, groups)
+    _check(path, wanted, exr.names(path), _COMPLETE)
+    return exr.size(path, wanted)
+
+
+def read_render(
+    path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Coefficients and alpha of a multilayer EXR that Blender wrote.
+
+    layers: the view layers of the coefficient passes, in order. groups: light groups to read; `EVERYTHING_ELSE` among
+    them is worked out from the combined pass. Returns {group: (height, width, p) float32} and (height, width) alpha.
+    """
+    path, wanted = Path(path), _wanted(model, layers, groups)
+    _check(path, wanted, exr.names(path), _COMPLETE)
+    channels = exr.channels(path, wanted)
+
+    def stacked(group: str) -> np.ndarray:
+        names = _channels_of(layers, light_pass(group), model.channels)
+        return np.stack([channels[name] for name in names], axis=-1)
+
+    coefficients = {group: stacked(group) for group in groups if group != EVERYTHING_ELSE}
+    if EVERYTHING_ELSE in groups:
+        coefficients[EVERYTHING_ELSE] = stacked(EVERYTHING_ELSE) - sum(coefficients.values())
+    return {group: coefficients[group] for group in groups}, channels[_alpha(layers)]
+
+
+def check_unknown(path: str | Path, layers: Sequence[str], groups: Sequence[str]) -> None:
+    """Raise CoefficientImageError where a light group that is not among `groups` shines: its light would be lost."""
+    known = {light_pass(group) for group in groups}
+    first = f"{layers[0]}.Combined_"
+    unknown = [n for n in exr.names(path) if n.startswith(first) and n[len(layers[0]) + 1 : -2] not in known]
+    for name, values in (exr.channels(path, unknown) if unknown else {}).items():
+        if values.any():
+            raise CoefficientImageError(
+                f"{path}: pass {name[:-2]!r} holds the light of a group that its description does not name; set the "
+                "scene up again, or give the one that was rendered with --scene FILE.blend"
+            )
+
+
+def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:
+    """For each view layer {name: (height, width, 3)} of what Cycles noted for its denoiser: "Albedo", "Normal".
+
+    Raises CoefficientImageError where the render did not store them.
+    """
+    path, parts = Path(path), {"Albedo": "RGB", "Normal": "XYZ"}
+    wanted = {(layer, n): [f"{layer}.Denoising {n}.{c}" for c in parts[n]] for layer in layers for n in names}
+    every = [channel for each in wanted.values() for channel in each]
+    _check(path, every, exr.names(path), "the denoiser needs it")
+    channels = exr.channels(path, every)
+    stacked = {key: np.stack([channels[channel] for channel in each], axis=-1) for key, each in wanted.items()}
+    return [{name: stacked[layer, name] for name in names} for layer in layers]
+
+
+def read_render_times(path: str | Path, layers: Sequence[str]) -> dict[str, dict[str, float]]:
+    """{view layer: {"seconds", "sync_seconds"}}, of the layers for which Cycles notes them in the EXR."""
+    times = {}
+    for layer in layers:
+        noted = [exr.attribute(path, f"cycles.{layer}.{name}") for name in ("total_time", "synchronization_time")]
+        if all(noted):
+            times[layer] = dict(zip(("seconds", "sync_seconds"), map(_seconds, noted), strict=True))
+    return times
+
+
+def _seconds(clock: str) -> float:
+    """Seconds of a time written as [hours:]minutes:seconds."""
+    seconds = 0.0
+    for part in clock.split(":"):
+        seconds = 60.0 * seconds + float(part)
+    return seconds

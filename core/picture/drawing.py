@@ -1,0 +1,87 @@
+"""Small pictures of illuminants for menus and panels, as arrays: Blender's panels cannot draw curves themselves."""
+
+import numpy as np
+
+from ..colour.spaces import rgb_to_xyz, srgb_encoded
+from ..spectra import library
+from ..spectra.arrays import Array
+from ..spectra.spectrum import WAVELENGTHS, Spectrum
+
+__all__ = ["circle", "curve", "icon", "plot", "ribbon", "swatch"]
+
+_OVERSAMPLING = 2
+
+
+def swatch(illuminant: Spectrum) -> Array:
+    """(3,) colour of a white under an illuminant, sRGB 0..1, as bright as the display shows it without clipping."""
+    xyz = illuminant.sampled() @ library.observer()
+    rgb = np.maximum(np.linalg.solve(rgb_to_xyz(), xyz), 0.0)
+    return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
+
+
+def curve(spectrum: Spectrum) -> Array:
+    """(81,) values of a spectrum on `WAVELENGTHS`, its highest 1."""
+    values = np.maximum(spectrum.sampled(), 0.0)
+    return values / values.max() if values.max() > 0.0 else values
+
+
+def _heights(values: Array, width: int) -> Array:
+    """(width,) heights of a curve; the highest of what falls into a column, so that no line is lost."""
+    fine = np.linspace(0, len(values) - 1, 8 * width)
+    return np.interp(fine, np.arange(len(values)), values).reshape(width, 8).max(axis=1)
+
+
+def _reduced(picture: Array) -> Array:
+    """Mean over squares of `_OVERSAMPLING` pixels."""
+    height, width, channels = picture.shape
+    return picture.reshape(
+        height // _OVERSAMPLING, _OVERSAMPLING, width // _OVERSAMPLING, _OVERSAMPLING, channels
+    ).mean(axis=(1, 3))
+
+
+def icon(values: Array, color: Array, size: int = 32) -> Array:
+    """(size, size, 4) sRGB float32, lowest row first: the swatch `color` (3,), and over it the curve `values` (81,)."""
+    fine = size * _OVERSAMPLING
+    heights = 0.06 + 0.80 * _heights(np.asarray(values, float), fine)
+    rows = (np.arange(fine) + 0.5)[:, None] / fine
+    luminance = np.asarray(color, float) @ rgb_to_xyz()[1]
+    ink = np.full(3, 0.05 if luminance > 0.4 else 0.95)
+    picture = np.ones((fine, fine, 4))
+    picture[..., :3] = np.where((rows < heights)[..., None], 0.25 * np.asarray(color) + 0.75 * ink, color)
+    return _reduced(picture).astype(np.float32)
+
+
+def plot(values: Array, width: int = 160, height: int = 160) -> Array:
+    """(height, width, 4) sRGB float32, lowest row first: the area under a curve (81,) in the colours of its light."""
+    fine = width * _OVERSAMPLING
+    heights = _heights(np.asarray(values, float), fine)
+    rows = (np.arange(height * _OVERSAMPLING) + 0.5)[:, None] / (height * _OVERSAMPLING)
+    picture = np.ones((height * _OVERSAMPLING, fine, 4))
+    colors = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
+    picture[..., :3] = np.where((rows < 0.96 * heights + 0.015)[..., None], colors, 0.08)
+    return _reduced(picture).astype(np.float32)
+
+
+def ribbon(values: Array) -> tuple[Array, Array]:
+    """A strip of triangles that fills the area under a curve (n,): places (2n, 2) in 0..1 and colours (2n, 4)."""
+    values = np.asarray(values, float)
+    across = np.linspace(0.0, 1.0, len(values))
+    places = np.stack([np.stack([across, np.zeros(len(values))], 1), np.stack([across, values], 1)], 1).reshape(-1, 2)
+    colors = np.ones((len(values), 4))
+    colors[:, :3] = _rainbow(WAVELENGTHS[0] + across * (WAVELENGTHS[-1] - WAVELENGTHS[0]))
+    return places, np.repeat(colors, 2, axis=0)
+
+
+def circle(count: int) -> Array:
+    """(count, 2) points of the unit circle."""
+    angles = 2 * np.pi * np.arange(count) / count
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def _rainbow(wavelengths: Array) -> Array:
+    """(n, 3) sRGB that hints at the colour of each wavelength in nm; a drawing, not a measurement."""
+    stops = [380, 420, 450, 485, 510, 550, 580, 610, 650, 780]
+    red = [0.30, 0.38, 0.15, 0.05, 0.10, 0.55, 0.95, 0.98, 0.90, 0.40]
+    green = [0.05, 0.10, 0.25, 0.70, 0.80, 0.85, 0.85, 0.50, 0.12, 0.02]
+    blue = [0.40, 0.75, 0.95, 0.90, 0.40, 0.10, 0.10, 0.08, 0.08, 0.05]
+    return np.stack([np.interp(wavelengths, stops, column) for column in (red, green, blue)], axis=1)
