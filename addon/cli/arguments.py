@@ -7,6 +7,7 @@ from ...core.errors import UsageError
 from ...core.picture.mix import GAINS
 from ...core.spectra.spectrum import WAVELENGTHS
 from ..store import properties
+from . import web
 
 __all__ = ["REPORTS", "number", "parse"]
 
@@ -100,6 +101,8 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     describe = commands.add_parser("describe", help="a sidecar for what other Blenders render of a scene")
     _add_scene(describe, in_blender)
     _add_out(describe, "FILE.json", "default: SCENE.relume.json in this folder; put it beside the EXRs")
+
+    web.add_command(commands, _path, _add_out)
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     _add_out(demo, "DIR", "folder for the results", default="out/demo")

@@ -19,7 +19,7 @@ __all__ = ["blender_command", "execute", "register", "unregister"]
 def _run(told: argparse.Namespace):
     from ...studies import figures
     from ..scene import describe
-    from . import demo, jobs, report
+    from . import demo, jobs, report, web
 
     if getattr(told, "scene", None) is not None:
         open_scene(located(told.scene))
@@ -35,6 +35,8 @@ def _run(told: argparse.Namespace):
         jobs.relight_file(told)
     elif told.command == "describe":
         jobs.describe_scene(told.out)
+    elif told.command == "web":
+        web.run(told)
     elif told.command == "report":
         report.run(told)
     else:

@@ -23,7 +23,7 @@ from ..host import console, denoising
 from ..scene import describe, render, setup
 from . import arguments
 
-__all__ = ["describe_scene", "file_name", "relight_file", "render_scene"]
+__all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
 
 _LONGEST = 100  # bytes of a name within a file's; file systems end at 255
 
@@ -184,7 +184,7 @@ def _noted(path: Path) -> list[dict]:
     raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
 
 
-def _lights_of(image, chosen: list[str]) -> dict[str, Light]:
+def lights_of(image, chosen: list[str]) -> dict[str, Light]:
     """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
     lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
     for text in chosen:
@@ -210,7 +210,7 @@ def relight_file(told):
     waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
     found = coefficients.describe_all(waiting.values(), told.described, told.layer)
     for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
-        _lights_of(image, told.light)
+        lights_of(image, told.light)
         if told.out.suffix.lower() != ".exr":
             render.check_view(source, image)
     if waiting:
@@ -284,7 +284,7 @@ def _relit(waiting: dict[Path, Path], told) -> Iterator:
     def relit(item):
         out, source = item
         image = coefficients.read(source, told.described, told.layer)
-        return out, image, render.picture(image, _lights_of(image, told.light), told.white)
+        return out, image, render.picture(image, lights_of(image, told.light), told.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

@@ -137,6 +137,8 @@ def _draw_output(layout, settings):
     else:
         body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
+    body.operator("relume.share_as_web_page", icon="URL")
+    body.operator("relume.paste_mix", icon="PASTEDOWN")
 
 
 def words(layout, text: str, alert: bool = False, width: int = 38):

@@ -3,7 +3,7 @@
 from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
-from . import dial, files, inspector, mixer_operators
+from . import dial, files, inspector, mixer_operators, web
 from .mixer_operators import NeedsSetUp
 
 __all__ = [
@@ -57,6 +57,7 @@ CLASSES = (
     *dial.CLASSES,
     *inspector.CLASSES,
     *files.CLASSES,
+    *web.CLASSES,
 )
 
 

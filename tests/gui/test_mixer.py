@@ -254,3 +254,28 @@ def steps():
         ROOM,
     )
     assert set(pictures) == {"without.png", "removed.png"}
+
+
+def test_the_render_that_is_there_becomes_a_web_page(window, tmp_path):
+    pictures = window(
+        STEPS
+        + f"""
+def steps():
+    import os
+
+    os.environ["BROWSER"] = "true"  # a program that shows nothing
+    bpy.context.scene.relume.channels = "6"
+    yield from layout()
+    assert bpy.ops.relume.set_up() == {{"FINISHED"}}
+    yield from render()
+    groups()[0].illuminant = "Mercury"
+    yield
+    assert bpy.ops.relume.share_as_web_page(filepath={str(tmp_path / "room.html")!r}, size=120) == {{"FINISHED"}}
+    yield "mixer_web.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    )
+    assert len(pictures) == 1
+    page = (tmp_path / "room.html").read_text(encoding="utf-8")
+    assert '"name":"room"' in page and '"name":"Mercury"' in page and 'id="plane11"' in page

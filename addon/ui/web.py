@@ -1,0 +1,153 @@
+"""Share as Web Page, and the mix that comes back from one."""
+
+import io
+import shlex
+import webbrowser
+from contextlib import redirect_stderr
+from dataclasses import replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy.props import FloatProperty, IntProperty, StringProperty
+from bpy.types import Operator
+
+from ...core.errors import RelumeError, UsageError
+from ...core.web import page
+from ..cli import arguments, jobs
+from ..cli.web import QUALITIES, SIZES, shown
+from ..scene import render
+from ..store import mixer
+from . import inspector
+from .mixer_operators import NeedsSetUp
+
+__all__ = ["CLASSES"]
+
+
+class ShareAsWebPage(Operator):
+    """Write the render that is there as one HTML file, in which anyone can change the light in a browser"""
+
+    bl_idname = "relume.share_as_web_page"
+    bl_label = "Share as Web Page"
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.html", options={"HIDDEN"})
+    size: IntProperty(
+        name="Size", description="Pixels of the longer side, at most", default=1920, min=SIZES[0], max=SIZES[1]
+    )
+    quality: FloatProperty(
+        name="Colour Difference",
+        description="CIEDE2000 that 98 % of the picture keeps to under every lamp. More makes a smaller file",
+        default=1.0,
+        min=QUALITIES[0],
+        max=QUALITIES[1],
+    )
+    title: StringProperty(name="Title", description="Headline of the page; empty: the name of the file")
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.relume.is_set_up:
+            cls.poll_message_set("this scene is not set up for spectral rendering")
+            return False
+        if not context.scene.relume.exr and _image_editor(context) is None:
+            cls.poll_message_set("no Image Editor in this window shows a render")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        name = (
+            Path(context.scene.relume.exr or bpy.data.filepath or context.scene.name)
+            .stem.replace("#", "")
+            .rstrip("._- ")
+        )
+        self.filepath = self.filepath or f"{name}.html"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".html")
+        window = context.window_manager
+        window.progress_begin(0, 1)
+        try:
+            image = _image(context)
+            picture = page.Picture(self.title or path.stem, {1: lambda: image})
+            page.write(path, [picture], size=self.size, quality=self.quality, title=self.title, show=shown)
+        except (RelumeError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        finally:
+            window.progress_end()
+        self.report({"INFO"}, f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
+        if not bpy.app.background:
+            webbrowser.open(path.absolute().as_uri())
+        return {"FINISHED"}
+
+
+class PasteMix(NeedsSetUp, Operator):
+    """Take over a mix that was copied from a web page: the words of Copy Mix"""
+
+    bl_idname = "relume.paste_mix"
+    bl_label = "Paste Mix"
+
+    words: StringProperty(description="A mix; empty: what was copied", options={"HIDDEN", "SKIP_SAVE"})
+
+    def execute(self, context):
+        settings = context.scene.relume
+        try:
+            told = _pasted(self.words or context.window_manager.clipboard)
+            image = render.described(context.scene)
+            lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), told.light)
+        except RelumeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        with mixer.quiet():
+            for words in told.light:
+                group = words.rpartition("=")[0]
+                row = settings.light_groups[group]
+                row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
+                row.solo, row.gain = False, lights[group].gain
+            if told.white is not None:
+                settings.white_balance = told.white
+        mixer.mix_changed(settings, context)
+        return {"FINISHED"}
+
+
+def _pasted(text: str):
+    """What the words of `relume relight` say, as its options. Raises UsageError."""
+    try:
+        with redirect_stderr(io.StringIO()):
+            told = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
+    except (ValueError, SystemExit):
+        told = None
+    if told is None or not (told.light or told.white is not None):
+        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …")
+    return told
+
+
+def _image_editor(context):
+    areas = context.screen.areas if context.screen else ()
+    return next(
+        (
+            a
+            for a in areas
+            if a.type == "IMAGE_EDITOR" and getattr(a.spaces.active.image, "type", "") == "RENDER_RESULT"
+        ),
+        None,
+    )
+
+
+def _image(context):
+    """The coefficient image that a scene shows now, lit as its mixer says. Raises CoefficientImageError."""
+    scene = context.scene
+    if scene.relume.exr:
+        groups = inspector.coefficients_of(context)
+    else:
+        area = _image_editor(context)
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        with context.temp_override(area=area, region=region):
+            groups = inspector.coefficients_of(context)
+    shape = next(iter(groups.values())).shape[:2]
+    return replace(render.described(scene), groups=groups, alpha=np.ones(shape, np.float32))
+
+
+CLASSES = (ShareAsWebPage, PasteMix)

@@ -1,0 +1,116 @@
+"""What a browser shows is what `relume relight` makes."""
+
+import shlex
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from relume.core import coefficients, measure, spaces
+from relume.core.picture import exr
+
+pytest.importorskip("bpy", reason="`relume relight` needs bpy")
+ROOM = Path(__file__).resolve().parents[2] / "assets" / "room.blend"
+LAMPS = ("D65", "A", "FL2", "FL11", "LED-B3", "LED-RGB1", "HP1", "Sodium (low pressure)", "Mercury", "Planckian 2900 K")
+
+
+def relume_command(*words):
+    from relume.addon.cli import commands
+
+    assert commands.execute([str(word) for word in words]) == 0
+
+
+def differences(shown, wanted):
+    """CIEDE2000 of two pictures (height, width, 3) as encoded for sRGB, 0..1."""
+    to_xyz = spaces.rgb_to_xyz()
+    xyz = [spaces.srgb_decoded(each.astype(float)) @ to_xyz.T for each in (shown, wanted)]
+    return measure.delta_E_2000(*xyz, to_xyz.sum(axis=1))
+
+
+@pytest.fixture(scope="module")
+def room_exr(relume, tmp_path_factory):
+    import bpy
+
+    folder = tmp_path_factory.mktemp("room")
+    bpy.ops.wm.open_mainfile(filepath=str(ROOM))
+    bpy.context.scene.render.resolution_percentage = 33
+    bpy.context.scene.cycles.use_denoising = False
+    blend = folder / "room.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    relume_command("render", blend, "--channels", "9", "--samples", "96", "--out", folder)
+    return folder / "room.exr"
+
+
+def compared(browser, page: Path, source: Path, folder: Path, query: str, degree: float = 0.0):
+    """ΔE of every pixel under ten lamps, chosen by the address; the light groups get them in turn."""
+    groups = list(coefficients.describe(source).groups)
+    found = []
+    for turn, lamp in enumerate(LAMPS):
+        chosen = [f"{group}={LAMPS[(turn + 3 * g) % len(LAMPS)]}*{1 + 0.5 * g:g}" for g, group in enumerate(groups)]
+        chosen[0] = f"{groups[0]}={lamp}*1"
+        picture = folder / f"{turn}.png"
+        relume_command("relight", source, "--light", *chosen, "--white", degree, "--out", picture)
+        if turn == 0:
+            browser.open(page, query)
+        words = "&".join(f"light={_quoted(words)}" for words in chosen)
+        browser.run("say(arguments[0])", f"{words}&white={degree}")
+        found.append(differences(browser.pixels()[..., :3] / 255, exr.read_rgb(picture)))
+    return np.array(found)
+
+
+def _quoted(text):
+    from urllib.parse import quote
+
+    return quote(text, safe="")
+
+
+@pytest.mark.parametrize("renderer", ["cpu", "gpu"])
+@pytest.mark.parametrize("scene", ["chart", "room"])
+def test_the_page_shows_what_relight_makes(browser, request, relume, tmp_path, renderer, scene):
+    if renderer == "gpu" and not browser.has_webgl():
+        pytest.skip(f"{browser.name} has no WebGL2 here")
+    source = request.getfixturevalue(f"{scene}_exr")
+    # The ten lamps are harder than those of a page are on the mean, and a browser rounds to a byte
+    relume_command("web", source, "--quality", "0.7", "--out", tmp_path / "page.html")
+    found = compared(
+        browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}", 0.5 if scene == "chart" else 0
+    )
+    median, most = np.percentile(found, [50, 98])
+    print(browser.name, renderer, scene, f"median {median:.2f}, 98 % {most:.2f}")
+    assert median <= 0.5 and most <= 1.0
+    assert browser.errors() == []
+
+
+@pytest.mark.parametrize("renderer", ["cpu", "gpu"])
+def test_the_view_transform_is_blenders(browser, relume, chart, tmp_path, renderer):
+    if renderer == "gpu" and not browser.has_webgl():
+        pytest.skip(f"{browser.name} has no WebGL2 here")
+    source = tmp_path / "agx.exr"
+    agx = replace(chart, view={**chart.view, "view_transform": "AgX", "exposure": 0.4})
+    coefficients.write(source, agx, chart.groups["key"][..., :3])
+    relume_command("web", source, "--quality", "0.5", "--out", tmp_path / "page.html")
+    found = compared(browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}")
+    assert np.percentile(found, 50) <= 0.5 and np.percentile(found, 98) <= 1.0
+
+
+def test_the_words_that_are_copied_make_the_picture(browser, relume, chart_exr, chart_page, tmp_path):
+    browser.open(
+        chart_page, "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&mute=window+%3D+2&white=0.8"
+    )
+    words = shlex.split(browser.run("return document.getElementById('words').value"))
+    relume_command("relight", chart_exr, *words, "--out", tmp_path / "copied.png")
+    found = differences(browser.pixels()[..., :3] / 255, exr.read_rgb(tmp_path / "copied.png"))
+    assert np.percentile(found, 50) <= 0.5 and np.percentile(found, 98) <= 1.5
+
+
+def test_highlights_come_back_four_stops_down(browser, chart, chart_page):
+    browser.open(chart_page)
+    browser.run("say('exposure=-4')")
+    mix = chart.mix()
+    from relume.core.picture.recombination import recombination_matrices
+
+    linear = coefficients.recombine(list(chart.groups.values()), recombination_matrices(chart.model, mix))
+    assert linear[50:60, 90:102].max() > 4.0
+    found = differences(browser.pixels()[..., :3] / 255, spaces.srgb_encoded(linear / 16))
+    assert np.percentile(found, 98) <= 1.0 and np.percentile(found[50:60, 90:102], 90) <= 1.5
