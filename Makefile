@@ -8,7 +8,8 @@ demo: .venv/.complete ## Render the test room once and relight it; the pictures 
 	@.venv/bin/relume demo --out out/demo
 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
-	.venv/bin/pytest
+	.venv/bin/pytest --numprocesses 2 --dist loadfile --ignore tests/gui
+	.venv/bin/pytest tests/gui
 
 oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests in Blender 5.0 (Python 3.11)
 	.venv-oldest/bin/pytest --numprocesses 2 --dist loadfile tests/core tests/addon
