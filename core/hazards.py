@@ -4,7 +4,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from . import bases, experiments, library, measure, palette, reports
+from . import bases, experiments, library, measure, metamers, reports
 from .factor_model import ModelError
 from .relight import power_weights
 from .spectrum import WAVELENGTHS, Spectrum, SpectrumError
@@ -155,7 +155,7 @@ def extreme_values():
         rows.append([f"illuminant times {scale:g}", f"the same relight matrix within {error:.0e}"])
     dark, nothing = np.zeros(81), [np.nan] * 81
     rows.append(["reflectance of zero", f"coefficients from {model.coefficients(dark).min()} to 0.0"])
-    black = palette.metameric_black(light, [library.illuminant("E")])
+    black = metamers.metameric_black(light, [library.illuminant("E")])
     partly = light - 0.05 * light.max()
     undefined = np.where(WAVELENGTHS == 500, np.nan, light)
     for words, refused in {
@@ -186,7 +186,7 @@ def extreme_values():
 def metameric_blacks(reflectances):
     """Reflectances that are invisible under D65, which are negative in places, seen under D65."""
     daylight = library.illuminant("D65")
-    black = palette.metameric_black(reflectances, [daylight])
+    black = metamers.metameric_black(reflectances, [daylight])
     rows, leaks, clamped = [], {}, {}
     for p in CHANNELS:
         model = bases.fitted(p)
@@ -202,7 +202,7 @@ def metameric_blacks(reflectances):
             "this library does, and set to zero as a renderer may.",
             f"Kept, Y leaks by at most {max(leaks[9]):.2f} at p = 9; set to zero, by {max(clamped[9]):.1f}.",
             "No surface reflects less than nothing: add the black to a reflectance that keeps the sum in 0..1 "
-            "(`palette.metamer`).",
+            "(`metamers.metamer`).",
         ),
         ("p", "lowest coefficient", "Y leaked", "Y leaked if clamped"),
         rows,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import bases, experiments, files, library, palette, reports
+from . import bases, experiments, files, library, metamers, reports
 from .factor_model import ModelError
 from .spectrum import WAVELENGTHS, SpectrumError
 
@@ -121,7 +121,7 @@ def three_bounce_section():
 def metamer_sections():
     """Tables 4 and 5, on metamers constructed here."""
     for number, matched, others in ((4, "D65", ("A", "FL11")), (5, "A", ("D65", "FL2"))):
-        pairs = palette.metamers(library.illuminant(matched), PAIRS)
+        pairs = metamers.metamers(library.illuminant(matched), PAIRS)
         models = {("eq. 12", p): bases.sharpened(p, "nonnegative") for p in CHANNELS[1:]}
         models |= {("fitted (ours)", p): bases.fitted(p) for p in (3, 6, 9, 12, 15)}
         rows = []
