@@ -19,6 +19,7 @@ __all__ = ["blender_command", "execute", "main", "register", "unregister"]
 _REPORTS = {
     "tables": "the tables of Drew & Finlayson (2003), made again",
     "stability": "what every model does with difficult input",
+    "palette": "lights and reflectances designed together",
 }
 
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")

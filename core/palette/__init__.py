@@ -8,6 +8,7 @@ come, and `tables` reads and writes designs.
 
 from ..errors import PaletteError
 from ..metamers import metamer, metameric_black, metamers
+from .command import main
 from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette
 from .report import Report, report
 from .solve import Solution, create
@@ -26,6 +27,7 @@ __all__ = [
     "Solution",
     "create",
     "from_dict",
+    "main",
     "metamer",
     "metameric_black",
     "metamers",

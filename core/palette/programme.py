@@ -11,7 +11,9 @@ __all__ = ["minimum", "unbounded"]
 
 # Weight of the length of what is found: among equal solutions the shortest. It must not outweigh the smoothness
 RIDGE, LEAST_RIDGE = 1e-6, 1e-9
-SCALE = 100.0  # of all residuals, so that the solver's own tolerances are below those of the smoothness
+# Of all residuals, so that the solver's tolerances are finer than the smoothness. Now and then it stops early at one of
+# them: the other is tried where the error of the KKT conditions is more than ENOUGH
+SCALES, ENOUGH = (1e2, 1e3), 1e-7
 SOFT = 1e3  # weight of free colours where nothing makes them equal
 INSIDE, HELD = 1e-12, 1e-7  # by how much bounds and hard equations may be missed
 
@@ -31,12 +33,30 @@ def minimum(equations):
         x = {key: np.clip(x[key], *equations.bounds[key]) for key in x}
         return x, _kkt(equations, x, None), ()
     # What cannot hold without bounds cannot hold within them
-    found = _programme(equations) if held else None
-    if found is not None:
-        return found[0], _kkt(equations, *found), ()
+    best = _within(equations) if held else None
+    if best is not None:
+        return *best, ()
     softened = replace(equations, blocks=tuple(_softened(block) for block in equations.blocks))
-    x, duals = _programme(softened)
-    return x, _kkt(softened, x, duals), _unmet(equations, x)
+    best = _within(softened)
+    if best is None:
+        clipped = {key: np.clip(x[key], *equations.bounds[key]) for key in x}
+        best = clipped, _kkt(softened, clipped, None)
+    return *best, _unmet(equations, best[0])
+
+
+def _within(equations):
+    """The best that is found within the bounds -> {key: (n,)}, error of the KKT conditions; None for nothing."""
+    best = None
+    for scale in SCALES:
+        found = _programme(equations, scale)
+        if found is None:
+            continue
+        error = _kkt(equations, *found)
+        if best is None or error < best[1]:
+            best = found[0], error
+        if error < ENOUGH:
+            break
+    return best
 
 
 def _unmet(equations, x):
@@ -96,7 +116,7 @@ def unbounded(equations):
     return {key: known[place] for key, place in places.items()}
 
 
-def _programme(equations):
+def _programme(equations, scale):
     """Minimise within bounds -> {key: (n,)}, multipliers of the hard blocks; None where those cannot hold."""
     import clarabel
     from scipy import sparse
@@ -113,13 +133,13 @@ def _programme(equations):
     # The residuals are unknowns of their own: the matrix squared would have half the digits
     nothing = sparse.csc_matrix((size, count))
     rows = [
-        sparse.hstack([sparse.csc_matrix(SCALE * matrix), -sparse.eye(count)]),
+        sparse.hstack([sparse.csc_matrix(scale * matrix), -sparse.eye(count)]),
         sparse.hstack([sparse.csc_matrix(held), sparse.csc_matrix((values.size, count))]),
         sparse.hstack([sparse.eye(size), nothing]).tocsr()[above],
         sparse.hstack([-sparse.eye(size), nothing]).tocsr()[below],
     ]
     ridges = _ridges(equations)
-    lengths = np.concatenate([np.full(size, (SCALE * ridges[key]) ** 2) for key, size in equations.sizes.items()])
+    lengths = np.concatenate([np.full(size, (scale * ridges[key]) ** 2) for key, size in equations.sizes.items()])
     cost = sparse.diags(np.concatenate([lengths, np.ones(count)])).tocsc()
     cones = [
         clarabel.ZeroConeT(count + values.size),
@@ -130,7 +150,7 @@ def _programme(equations):
     settings.max_iter = 100
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-12
     settings.max_threads = 1
-    limits = np.concatenate([SCALE * right, values, upper[above], -lower[below]])
+    limits = np.concatenate([scale * right, values, upper[above], -lower[below]])
     linear = np.zeros(size + count)
     found = clarabel.DefaultSolver(cost, linear, sparse.vstack(rows).tocsc(), limits, cones, settings).solve()
     if "Infeasible" in str(found.status) or not np.isfinite(found.x).all():
@@ -138,7 +158,7 @@ def _programme(equations):
     x = np.clip(np.array(found.x)[:size], lower, upper)
     if np.abs(held @ x - values).max(initial=0.0) > HELD:
         return None
-    duals = np.array(found.z)[count : count + values.size] / SCALE**2
+    duals = np.array(found.z)[count : count + values.size] / scale**2
     return {key: x[place] for key, place in places.items()}, duals
 
 
@@ -162,10 +182,11 @@ def _kkt(equations, x, duals):
     soft, right = _stacked([block for block in equations.blocks if not block.hard], places, size)
     hard, _ = _stacked([block for block in equations.blocks if block.hard], places, size)
     values = np.concatenate([x[key] for key in places])
+    low, high = (np.concatenate([equations.bounds[key][side] for key in places]) for side in (0, 1))
     gradient = soft.T @ (soft @ values - right)
     if duals is None:
-        duals = np.linalg.lstsq(hard.T, -gradient, rcond=None)[0]
+        inside = (values > low + 1e-6) & (values < high - 1e-6)
+        duals = np.linalg.lstsq(hard.T[inside], -gradient[inside], rcond=None)[0]
     gradient += hard.T @ duals
-    low, high = (np.concatenate([equations.bounds[key][side] for key in places]) for side in (0, 1))
     curvature = max(1.0, (soft**2).sum(axis=0).max(initial=0.0))
     return float(np.abs(values - np.clip(values - gradient / curvature, low, high)).max(initial=0.0))
