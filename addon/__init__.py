@@ -8,9 +8,24 @@ __all__ = ["register", "unregister"]
 
 
 def _modules():
-    from . import commands, handlers, icons, material_panel, operators, panels, properties, remarks
+    from . import (
+        commands,
+        handlers,
+        icons,
+        material_panel,
+        operators,
+        palette,
+        palette_assign,
+        palette_entries,
+        palette_operators,
+        palette_panel,
+        panels,
+        properties,
+        remarks,
+    )
 
-    return properties, icons, operators, panels, remarks, material_panel, handlers, commands
+    palettes = (palette, palette_operators, palette_entries, palette_assign, palette_panel)
+    return properties, icons, operators, panels, *palettes, remarks, material_panel, handlers, commands
 
 
 def register():

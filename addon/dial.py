@@ -41,9 +41,9 @@ class LightDial(NeedsSetUp, Operator):
         self.area, self.region = area, next(r for r in area.regions if r.type == "WINDOW")
         self.before = [part.weight for part in row.blend]
         self.dragging = False
-        from ..core import drawing, library
+        from ..core import drawing
 
-        self.colors = [tuple(drawing.swatch(library.illuminant(part.illuminant)).tolist()) for part in row.blend]
+        self.colors = [tuple(drawing.swatch(part.spectrum()).tolist()) for part in row.blend]
         self.names = [part.illuminant for part in row.blend]
         space = type(area.spaces.active)
         self.handle = space.draw_handler_add(self._draw, (context.scene,), "WINDOW", "POST_PIXEL")

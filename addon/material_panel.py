@@ -138,6 +138,7 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
 
     def execute(self, context):
         from ..core import files
+        from ..core.palette import beyond
 
         material, node = self.target(context)
         try:
@@ -147,7 +148,10 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
             elif self.takes == _GLASS:
                 glass.replace(node, files.read(self.filepath, "refractive index")[0])
             else:
-                _assign_reflectance(material, _socket(node, self.socket), files.read(self.filepath)[0])
+                spectrum = files.read(self.filepath)[0]
+                _assign_reflectance(material, _socket(node, self.socket), spectrum)
+                if told := beyond(spectrum):
+                    self.report({"WARNING"}, told)
         except SpectrumError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

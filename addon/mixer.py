@@ -121,6 +121,7 @@ class BlendPart(PropertyGroup):
     illuminant: StringProperty(
         name="Illuminant", description="An illuminant of the blend", default="D65", update=mix_changed
     )
+    measured: StringProperty(options={"HIDDEN"})  # its own spectrum, as JSON, where the library does not have it
     weight: FloatProperty(
         name="Weight",
         description="This illuminant's part in the brightness of the light group",
@@ -130,6 +131,12 @@ class BlendPart(PropertyGroup):
         subtype="FACTOR",
         update=mix_changed,
     )
+
+    def spectrum(self):
+        """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
+        from ..core import library
+
+        return stored_spectrum(self.measured) if self.measured else library.illuminant(self.illuminant)
 
 
 class LightGroup(PropertyGroup):
@@ -246,7 +253,7 @@ class LightGroup(PropertyGroup):
         if self.source == "FILE":
             return stored_spectrum(self.measured)
         if self.source == "BLEND":
-            return mixing.blend(tuple((library.illuminant(part.illuminant), part.weight) for part in self.blend))
+            return mixing.blend(tuple((part.spectrum(), part.weight) for part in self.blend))
         return library.illuminant(self.illuminant)
 
     def light(self):
@@ -273,8 +280,12 @@ def choices(settings) -> dict:
     rows = {}
     for row in settings.light_groups:
         rows[row.name] = {name: getattr(row, name) for name in _ROW}
-        rows[row.name]["blend"] = [[part.illuminant, part.weight] for part in row.blend]
+        rows[row.name]["blend"] = _blend(row)
     return {"light_groups": rows, "balance": {name: getattr(settings, name) for name in BALANCE}}
+
+
+def _blend(row) -> list:
+    return [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
 
 
 def apply(settings, chosen: dict) -> list[str]:
@@ -287,11 +298,12 @@ def apply(settings, chosen: dict) -> list[str]:
                 continue
             row = settings.light_groups[group]
             _set(row, {name: kept[name] for name in _ROW})
-            if [[part.illuminant, part.weight] for part in row.blend] != kept["blend"]:
+            if _blend(row) != kept["blend"]:
                 row.blend.clear()
-                for illuminant, weight in kept["blend"]:
+                for illuminant, weight, *measured in kept["blend"]:
                     part = row.blend.add()
                     part.illuminant, part.weight = illuminant, weight
+                    part.measured = measured[0] if measured else ""
         _set(settings, chosen["balance"])
     mix_changed(settings, bpy.context)
     return missing

@@ -19,6 +19,7 @@ __all__ = [
     "inserted_before",
     "new_conductor",
     "new_reflectance",
+    "replace",
     "restore_all",
     "source_of",
     "spectra_of",
@@ -59,13 +60,23 @@ def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
     for socket, (kind, _) in outputs.items():
         nodes.add_socket(tree, socket, kind, output=True)
     tree[SPECTRA] = {socket: spectrum.to_dict() for socket, (_, spectrum) in outputs.items()}
+    _fill_as_it_is(tree)
+    return tree
+
+
+def replace(tree, spectrum: Spectrum):
+    """Make another reflectance of a spectrum group, wherever it is used."""
+    tree[SPECTRA] = {"Color": spectrum.to_dict()}
+    _fill_as_it_is(tree)
+
+
+def _fill_as_it_is(tree):
     _fill_plain(tree, _plain(tree))
     # Channels of the model being rendered, where there is one
     for scene in bpy.data.scenes:
         if scene.relume.is_set_up:
             _fill(tree, scene.relume.model())
             break
-    return tree
 
 
 def spectra_of(tree) -> dict[str, Spectrum]:

@@ -8,11 +8,14 @@ come, and `tables` reads and writes designs.
 
 from ..errors import PaletteError
 from ..metamers import metamer, metameric_black, metamers
+from .colours import normalised, scene_from_xyz, xyz_from_scene
 from .command import main
-from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette
-from .report import Report, report
+from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, scaled
+from .limits import beyond
+from .pictures import matrix_colours
+from .report import Report, patches, report
 from .solve import Solution, create
-from .tables import from_dict, read, to_dict
+from .tables import from_dict, read, to_dict, upsampled
 
 __all__ = [
     "Cell",
@@ -25,13 +28,21 @@ __all__ = [
     "PaletteError",
     "Report",
     "Solution",
+    "beyond",
     "create",
     "from_dict",
     "main",
+    "matrix_colours",
     "metamer",
     "metameric_black",
     "metamers",
+    "normalised",
+    "patches",
     "read",
     "report",
+    "scaled",
+    "scene_from_xyz",
     "to_dict",
+    "upsampled",
+    "xyz_from_scene",
 ]

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 
 from .. import library
+from ..errors import PaletteError
 from ..relight import local_metric
 from ..upsample import rgb_to_xyz
 from ..view import adaptation, srgb_encoded
@@ -17,9 +18,12 @@ __all__ = [
     "encoded",
     "luminance_one",
     "metric",
+    "normalised",
+    "scene_from_xyz",
     "srgb_from_xyz",
     "xyz_from_hex",
     "xyz_from_rgb",
+    "xyz_from_scene",
     "xyz_weights",
 ]
 
@@ -86,3 +90,26 @@ def srgb_from_xyz(xyz):
 def encoded(xyz):
     """The "#rrggbb" of XYZ (3,)."""
     return "#" + "".join(f"{round(255 * value):02x}" for value in srgb_from_xyz(xyz))
+
+
+def normalised(values, way):
+    """A spectrum (81,) scaled: "LUMINANCE", so that its luminance is 1; "L2", so that its values' squares sum to 1.
+
+    Raises PaletteError for one that has none.
+    """
+    scale = xyz_weights()[1] @ values if way == "LUMINANCE" else np.linalg.norm(values)
+    if not scale > 1e-9 * np.abs(values).max(initial=1e-300):
+        raise PaletteError(
+            "a spectrum without luminance cannot be normalised by it" if way == "LUMINANCE" else "it is 0"
+        )
+    return values / scale
+
+
+def xyz_from_scene(rgb, space):
+    """XYZ, three floats, of a colour in a working space of Blender."""
+    return (rgb_to_xyz(space) @ np.asarray(rgb, dtype=np.float64)).tolist()
+
+
+def scene_from_xyz(xyz, space):
+    """A colour of a working space of Blender, three floats, 0 or more, of XYZ (3,)."""
+    return np.maximum(np.linalg.solve(rgb_to_xyz(space), np.asarray(xyz, dtype=np.float64)), 0.0).tolist()

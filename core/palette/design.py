@@ -4,7 +4,7 @@ Colours are XYZ in which a white under a light of luminance 1 has Y = 1. Spectra
 has luminance 1.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 
 import numpy as np
@@ -15,7 +15,7 @@ from ..factor_model import FactorModel
 from ..spectrum import WAVELENGTHS, Spectrum
 from . import colours
 
-__all__ = ["Cell", "Constancy", "Criteria", "Difference", "Entry", "FreeColour", "Palette"]
+__all__ = ["Cell", "Constancy", "Criteria", "Difference", "Entry", "FreeColour", "Palette", "scaled"]
 
 SPACES = ("rgb", "xyz", "perceptual")
 LEAST_SAMPLES = 4  # fewer within the visible range say nothing of a spectrum
@@ -202,6 +202,20 @@ class Palette:
         """Spectra (n, 81) of all lights or reflectances; what is still to be made is flat."""
         entries = self.lights if kind == "light" else self.reflectances
         return np.array([_sampled(kind, entry) for entry in entries]).reshape(len(entries), WAVELENGTHS.size)
+
+
+def scaled(palette, kind, index, way, factor=1.0):
+    """The Entry of a light or reflectance, normalised by "LUMINANCE" or "L2" norm, and times `factor`.
+
+    Raises PaletteError for one without a spectrum, or with nothing to normalise by.
+    """
+    entry = palette.entry(kind, index)
+    if entry.spectrum is None:
+        raise PaletteError(f"{kind} {entry.name!r} has no spectrum yet: create spectra")
+    values = factor * colours.normalised(palette.sampled(kind)[index], way)
+    spectrum = replace(entry.spectrum, wavelengths=WAVELENGTHS, values=values)
+    luminance = float(colours.xyz_weights()[1] @ values) if kind == "light" else entry.luminance
+    return replace(entry, spectrum=spectrum, luminance=luminance)
 
 
 def _sampled(kind, entry):

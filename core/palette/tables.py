@@ -8,13 +8,15 @@ from functools import cache
 from math import inf
 from pathlib import Path
 
+import numpy as np
+
 from .. import bases, files, library, upsample
 from ..errors import LibraryError, PaletteError, RelumeError
 from ..spectrum import WAVELENGTHS, Spectrum
 from . import colours
 from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette
 
-__all__ = ["VERSION", "from_dict", "read", "to_dict"]
+__all__ = ["VERSION", "from_dict", "read", "to_dict", "upsampled"]
 
 VERSION = 1
 _ENTRY = {
@@ -155,14 +157,20 @@ def _named(what, kind):
     return library.illuminant(what) if kind == "light" else library.reflectance(what)
 
 
-def _upsampled(text, kind):
-    """A smooth spectrum that has a colour: of a reflectance under D65, of a light as it is."""
+def upsampled(rgb, space=colours.DISPLAY, name=""):
+    """The smooth reflectance that has a colour, linear RGB (3,) of a space, under D65 -> Spectrum in 0..1."""
     reference = bases.bands()
-    rgb = colours.xyz_from_hex(text) @ colours.display_from_xyz().T
-    values = reference.reconstruct(upsample.rgb_matrix(reference) @ rgb)
+    values = reference.reconstruct(upsample.rgb_matrix(reference, space) @ np.asarray(rgb, dtype=np.float64))
+    return Spectrum(WAVELENGTHS, np.clip(values, 0.0, 1.0), name)
+
+
+def _upsampled(text, kind):
+    """The spectrum of a colour such as #3366cc: of a reflectance under D65, of a light as it is."""
+    reflectance = upsampled(colours.display_from_xyz() @ colours.xyz_from_hex(text), name=str(text))
     if kind == "light":
-        return Spectrum(WAVELENGTHS, values * library.illuminant("D65").sampled() / 100, str(text), "illuminant")
-    return Spectrum(WAVELENGTHS, values, str(text))
+        values = reflectance.values * library.illuminant("D65").sampled()
+        return Spectrum(WAVELENGTHS, values, str(text), "illuminant")
+    return reflectance
 
 
 def _cell(one, rows, columns):
