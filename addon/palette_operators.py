@@ -72,12 +72,17 @@ class NewPalette(Operator):
     example: EnumProperty(name="Example", items=_examples)
 
     def execute(self, context):
-        from ..core import library
+        from ..core import bases, library
         from ..core import palette as core
 
         if self.example in ("", "EMPTY"):
             lights = tuple(core.Entry(name, library.illuminant(name)) for name in ("D65", "A"))
-            made = core.Palette(lights, (core.Entry("first", designed=True),), title="Palette")
+            made = core.Palette(
+                lights,
+                (core.Entry("first", designed=True),),
+                criteria=core.Criteria(model=bases.fitted(9)),
+                title="Palette",
+            )
         else:
             made = core.read(EXAMPLES / f"{self.example}.toml")
         _add_design(context.scene, made)

@@ -8,7 +8,6 @@ from .mixer_panels import words
 
 __all__ = ["CLASSES", "register", "unregister"]
 
-_PATCH = 2.6  # size of a patch, in units of the interface
 _SHOWN = 6  # columns that fit; the others are reached by selecting them
 
 
@@ -65,33 +64,37 @@ class _Palette:
 def _draw_matrix(layout, design):
     first = max(0, min(design.column - _SHOWN + 1, len(design.lights) - _SHOWN))
     columns = range(first, min(first + _SHOWN, len(design.lights)))
+    # Patches as large as the usual width of a sidebar lets them be
+    patch = min(3.2, 8.0 / max(len(columns), 1))
     box = layout.box().column(align=True)
-    head = box.row(align=True)
-    corner = head.column()
-    corner.ui_units_x = 4.0
-    corner.menu("RELUME_MT_palette_add", text="Add", icon="ADD")
+    corner, head = _line(box)
+    corner.menu("RELUME_MT_palette_add", text="", icon="ADD")
     for index in columns:
         column = head.column(align=True)
         light, color = design.lights[index], design.lights[index].swatch
         column.operator("relume.palette_select", text=_label(light), depress=index == design.column).column = index
         column.template_icon(icons.patch(color, color, color), scale=1.0)
     for index, reflectance in enumerate(design.reflectances):
-        line = box.row(align=True)
-        side = line.column(align=True)
-        side.ui_units_x = 4.0
+        side, line = _line(box)
         side.operator("relume.palette_select", text=_label(reflectance), depress=index == design.row).row = index
         color = reflectance.swatch
-        side.template_icon(icons.patch(color, color, color), scale=_PATCH - 1.0)
+        side.template_icon(icons.patch(color, color, color), scale=patch)
         for column_index in columns:
             cell = palette.cell_at(design, index, column_index)
             column = line.column(align=True)
-            column.template_icon(icons.patch(cell.wanted, cell.full, cell.model), scale=_PATCH - 1.0)
+            column.template_icon(icons.patch(cell.wanted, cell.full, cell.model), scale=patch)
             chosen = column.operator(
                 "relume.palette_select",
                 text=_cell_label(cell),
                 depress=(index, column_index) == (design.row, design.column),
             )
             chosen.row, chosen.column = index, column_index
+
+
+def _line(box):
+    """A line of the matrix: its side, and the place for its patches."""
+    line = box.split(factor=0.26, align=True)
+    return line.column(align=True), line.row(align=True)
 
 
 def _label(entry) -> str:

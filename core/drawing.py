@@ -130,6 +130,6 @@ def lines(curves: list, width: int = 256, height: int = 256) -> np.ndarray:
     for values, color in curves:
         fine = np.interp(np.linspace(0, len(values) - 1, fine_width), np.arange(len(values)), values)
         here, there = row_of(fine), row_of(np.append(fine[1:], fine[-1]))
-        covered = (rows > np.minimum(here, there) - 2) & (rows < np.maximum(here, there) + 2)
+        covered = (rows > np.minimum(here, there) - 3) & (rows < np.maximum(here, there) + 3)
         picture[covered, :3] = np.clip(color, 0.15, 1.0)
     return _reduced(picture).astype(np.float32)

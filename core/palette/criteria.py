@@ -87,11 +87,12 @@ def system(palette, state, designed, push=None):
     """
     unknown = set(designed)
     maker = _Maker(palette, state, unknown)
-    blocks = [block for cell in palette.cells if cell.weight > 0 for block in maker.cell(cell)]
+    blocks = [maker.cell(cell) for cell in palette.cells if cell.weight > 0]
+    if palette.criteria.model is not None and palette.criteria.model_error > 0:
+        blocks += [maker.model_error(*place) for place in palette.meetings()]
     for number, one in enumerate(palette.constancies):
         blocks += maker.constancy(number, one)
-    for one in palette.differences:
-        blocks += maker.difference(one, push)
+    blocks += [maker.difference(one, push) for one in palette.differences]
     for kind, index in designed:
         blocks += _alone(palette, kind, index)
     blocks = tuple(block for block in blocks if block.parts)
@@ -148,33 +149,43 @@ class _Maker:
         matrix = colours.xyz_weights() * model.reconstruct(row @ model.filters)
         return ((("light", light), matrix),), now - matrix @ lit
 
+    def seen(self, reflectance, light):
+        """That of both which is designed for, and the XYZ (3,) of now."""
+        if not self.palette.criteria.use_model:
+            return *self.full(reflectance, light), self.xyz[reflectance, light]
+        now = model_colour(self.palette.criteria.model, self.state.lights[light], self.state.reflectances[reflectance])
+        return *self.model(reflectance, light), now
+
     def cell(self, cell):
-        """The blocks of one cell: target or free colour (eq. 18, 19, 23, 24), and the model's error (eq. 20)."""
-        criteria, where = self.palette.criteria, self.palette.where(cell)
-        place = (cell.reflectance, cell.light)
-        parts, constant = self.model(*place) if criteria.use_model else self.full(*place)
-        goal = self.xyz[place] if cell.target is None else np.array(cell.target, float)
-        metric = self.metric(goal, self.whites[cell.light])
+        """The block of one cell: a target ([BMD] eq. 18, 19) or a free colour (eq. 23, 24)."""
+        where = self.palette.where(cell)
+        parts, constant, _ = self.seen(cell.reflectance, cell.light)
         if cell.free:
             rgb = colours.display_from_xyz()
             joined = (*_scaled(rgb, parts), (("free", cell.free), -np.eye(3)))
-            yield Block("free colour", f"free colour {cell.free}: {where}", joined, -rgb @ constant, hard=True)
-        else:
-            rows = cell.weight / np.sqrt(3) * metric
-            yield Block("target", where, _scaled(rows, parts), rows @ (goal - constant))
-        if criteria.model is not None and criteria.model_error > 0:
-            rows = criteria.model_error / np.sqrt(3) * metric
-            (full, at), (reduced, there) = self.full(*place), self.model(*place)
-            pairs = zip(full, reduced, strict=True)
-            error = tuple((key, rows @ (one - other)) for (key, one), (_, other) in pairs)
-            yield Block("model error", where, error, rows @ (there - at))
+            return Block("free colour", f"free colour {cell.free}: {where}", joined, -rgb @ constant, hard=True)
+        goal = np.array(cell.target, float)
+        rows = cell.weight / np.sqrt(3) * self.metric(goal, self.whites[cell.light])
+        return Block("target", where, _scaled(rows, parts), rows @ (goal - constant))
+
+    def model_error(self, reflectance, light):
+        """What the model's colour differs by from that of full spectra, wherever a demand is made ([BMD] eq. 20)."""
+        metric = self.metric(self.xyz[reflectance, light], self.whites[light])
+        for cell in self.palette.cells:
+            if (cell.reflectance, cell.light) == (reflectance, light) and cell.target is not None:
+                metric = self.metric(np.array(cell.target, float), self.whites[light])
+        rows = self.palette.criteria.model_error / np.sqrt(3) * metric
+        (full, at), (reduced, there) = self.full(reflectance, light), self.model(reflectance, light)
+        pairs = zip(full, reduced, strict=True)
+        parts = tuple((key, rows @ (one - other)) for (key, one), (_, other) in pairs)
+        return Block("model error", self.palette.where_at(reflectance, light), parts, rows @ (there - at))
 
     def constancy(self, number, one):
         """One colour under several lights: a free colour of its own, in XYZ."""
         key, name = ("constancy", number), self.palette.reflectances[one.reflectance].name
         for light in one.lights:
-            parts, constant = self.full(one.reflectance, light)
-            white, xyz = self.whites[light], self.xyz[one.reflectance, light]
+            parts, constant, xyz = self.seen(one.reflectance, light)
+            white = self.whites[light]
             if one.adapted:
                 to_common = colours.adapted(white)
                 parts, constant = _scaled(to_common, parts), to_common @ constant
@@ -185,7 +196,8 @@ class _Maker:
 
     def difference(self, one, push):
         """Two reflectances near to or far from each other: their difference is to be the nearest one allowed."""
-        first, second = self.xyz[one.first, one.light], self.xyz[one.second, one.light]
+        parts, at, first = self.seen(one.first, one.light)
+        others, there, second = self.seen(one.second, one.light)
         white = self.whites[one.light]
         metric = colours.metric((first + second) / 2, white)
         now = metric @ (first - second)
@@ -198,7 +210,6 @@ class _Maker:
             now = direction * (one.least + MARGIN) / stretch
         elif one.most is not None and wanted > one.most - MARGIN:
             now = now * (max(one.most - MARGIN, 0.0) / max(wanted, 1e-9))
-        (parts, at), (others, there) = self.full(one.first, one.light), self.full(one.second, one.light)
         scale = PERCEPTUAL * one.weight / np.sqrt(3)
         rows = scale * metric
         joined = (*_scaled(rows, parts), *_scaled(-rows, others))
@@ -207,7 +218,7 @@ class _Maker:
             merged[key] = merged.get(key, 0.0) + matrix
         names = [self.palette.reflectances[index].name for index in (one.first, one.second)]
         words = f"{names[0]!r} and {names[1]!r} under {self.palette.lights[one.light].name!r}"
-        yield Block("difference", words, tuple(merged.items()), scale * now + rows @ (there - at))
+        return Block("difference", words, tuple(merged.items()), scale * now + rows @ (there - at))
 
 
 def _scaled(rows, parts):

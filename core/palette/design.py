@@ -170,7 +170,11 @@ class Palette:
 
     def where(self, cell):
         """The words for a cell."""
-        return f"{self.reflectances[cell.reflectance].name!r} under {self.lights[cell.light].name!r}"
+        return self.where_at(cell.reflectance, cell.light)
+
+    def where_at(self, reflectance, light):
+        """The words for where a reflectance and a light meet, by their indices."""
+        return f"{self.reflectances[reflectance].name!r} under {self.lights[light].name!r}"
 
     def bounds(self, kind, entry):
         """Lowest and highest value of what is designed."""

@@ -156,12 +156,8 @@ def _shares(solution):
 
 def _remarks(solution, cells, differences, shares):
     if not solution.convex:
-        how = (
-            f"converged in {solution.steps} steps"
-            if solution.converged
-            else f"did not converge in {solution.steps} steps"
-        )
-        yield f"This design is not convex: it was solved step by step and {how}."
+        how = "converged" if solution.converged else "has not converged"
+        yield f"Not convex, so solved step by step: it {how} in {solution.steps} steps."
     for words in solution.slack:
         yield f"{words[0].upper()}{words[1:]} cannot be equal to the others: it is as near as the bounds let it."
     missed = [cell for cell in cells if cell.error > NOTICED]
