@@ -137,6 +137,7 @@ class Select(OfPalette, Operator):
         design = palette.active(context.scene)
         design.row = self.row if self.row >= 0 else design.row
         design.column = self.column if self.column >= 0 else design.column
+        palette_tables.redraw()
         return {"FINISHED"}
 
 

@@ -6,7 +6,7 @@ import bpy
 
 from .palette import MODELS, cell_at, quiet, reshape
 
-__all__ = ["design_of", "fill", "show", "table_of"]
+__all__ = ["design_of", "fill", "redraw", "show", "table_of"]
 
 
 def table_of(design) -> dict:
@@ -116,6 +116,7 @@ def show(design):
     from ..core.errors import RelumeError
     from ..core.palette import matrix_colours
 
+    redraw()
     try:
         wanted, full, model, lights, reflectances = matrix_colours(design_of(design))
     except RelumeError as error:
@@ -130,3 +131,11 @@ def show(design):
                 cell, here = cell_at(design, row, column), (row, column)
                 cell.full, cell.model = full[here].tolist(), model[here].tolist()
                 cell.wanted = wanted[here].tolist() if cell.use == "TARGET" else cell.full
+
+
+def redraw():
+    """Draw the editor anew, wherever it is open."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"VIEW_3D", "IMAGE_EDITOR"}:
+                area.tag_redraw()

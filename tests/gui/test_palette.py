@@ -20,6 +20,14 @@ def click(x, y):
     yield
 
 
+def press(key, x, y, **modifiers):
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield
+    event(key, "PRESS", x, y, **modifiers)
+    event(key, "RELEASE", x, y)
+    yield
+
+
 def area_of(kind):
     return next(area for area in bpy.context.screen.areas if area.type == kind)
 
@@ -116,7 +124,6 @@ def steps():
         row.material = bpy.data.materials[row.name]
     bpy.ops.relume.palette_select(row=0, column=0)
     d.cells[0].target = (0.2, 0.21, 0.24)
-    r = region_of(area_of("VIEW_3D")); print("REGION", r.x, r.y, r.width, r.height)
     yield "palette_new.png"
     bpy.ops.relume.palette_add_demand(what="DIFFERENCE")
     d.differences[0].kind, d.differences[0].amount = "MOST", 0.1
@@ -125,6 +132,7 @@ def steps():
     d.differences[1].amount = 20.0
     yield "palette_wanted.png"
     assert bpy.ops.relume.palette_create() == {"FINISHED"}
+    bpy.ops.ed.undo_push(message="Create")
     yield "palette_created.png"
     scene = bpy.context.scene
     scene.relume.channels = "9"
@@ -142,3 +150,77 @@ def steps():
         "--enable-event-simulate",
     )
     assert len(pictures) == 5
+
+
+def test_patches_buttons_and_undo_by_clicks(window):
+    pictures = window(
+        STEPS
+        + """
+# Of a matrix of two lights and two reflectances; lower where a wanted colour is shown
+RIGHT_PATCH, LEFT_PATCH = (-85, -229), (-166, -229)
+FIT, FIT_BELOW, CREATE, DESIGNED = (-214, -398), (-214, -421), (-147, -550), (-97, -444)
+
+
+def steps():
+    yield from layout()
+    bpy.ops.relume.palette_new(example="EMPTY")
+    bpy.ops.relume.palette_add_designed(kind="REFLECTANCE")
+    bpy.ops.relume.palette_select(row=0, column=0)
+    design().cells[0].target = (0.25, 0.12, 0.05)
+    bpy.ops.ed.undo_push(message="Wanted")
+    yield
+    yield from click(*at(RIGHT_PATCH))
+    assert (design().row, design().column) == (0, 1), (design().row, design().column)
+    yield "palette_clicked.png"
+    yield from click(*at(FIT))
+    assert design().cells[1].use == "TARGET", [cell.use for cell in design().cells]
+    yield from press("Z", *at((-600, -400)), ctrl=True)
+    assert design().cells[1].use == "NONE", "Fit Colour is one step of undo"
+    yield from click(*at(LEFT_PATCH))
+    assert (design().row, design().column) == (0, 0)
+    yield from click(*at(CREATE))
+    yield
+    assert design().reflectances[0].spectrum and design().cells[0].error < 0.1, design().remarks
+    yield "palette_created_by_click.png"
+    yield from press("Z", *at((-600, -400)), ctrl=True)
+    assert not design().reflectances[0].spectrum, "and so is Create Spectra"
+    yield from press("Z", *at((-600, -400)), ctrl=True, shift=True)
+    assert design().reflectances[0].spectrum
+    yield from click(*at(DESIGNED))
+    assert design().lights[0].designed, "one click makes a light one that is designed"
+    yield "palette_designed_light.png"
+""",
+        "--enable-event-simulate",
+    )
+    assert len(pictures) == 3
+
+
+def test_both_themes_and_the_image_editor(window):
+    pictures = window(
+        STEPS
+        + """
+import os
+
+
+def steps():
+    folder = bpy.utils.preset_paths("interface_theme")[0]
+    bpy.ops.script.execute_preset(
+        filepath=os.path.join(folder, "Blender_Light.xml"), menu_idname="USERPREF_MT_interface_theme_presets"
+    )
+    yield from layout()
+    panel = bpy.types.IMAGE_PT_relume_palette
+    bpy.utils.unregister_class(panel)
+    panel.bl_options, panel.bl_order = set(), -1
+    bpy.utils.register_class(panel)
+    area = area_of("IMAGE_EDITOR")
+    area.spaces.active.show_region_ui = True
+    yield
+    region_of(area).active_panel_category = "Relume"
+    for example in ("black", "three_metamers"):
+        bpy.ops.relume.palette_new(example=example)
+        assert bpy.ops.relume.palette_create() == {"FINISHED"}
+    yield
+    yield "palette_light.png"
+"""
+    )
+    assert list(pictures) == ["palette_light.png"]
