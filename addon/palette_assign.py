@@ -145,6 +145,9 @@ class AssignLights(OfPalette, Operator):
             else:
                 row["measured"], row["path"] = chosen.spectrum, chosen.name
                 row.source = "FILE"
+            # What is designed is designed with its brightness
+            if chosen.luminance > 0.0 and abs(chosen.luminance - 1.0) > 0.01:
+                row.gain = chosen.luminance
         mixer.mix_changed(row, context)
         return {"FINISHED"}
 

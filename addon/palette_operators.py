@@ -182,6 +182,7 @@ class Create(OfPalette, Operator):
                 for entry, found in zip(entries, made, strict=True):
                     if entry.designed:
                         entry.spectrum, entry.source = json.dumps(found.spectrum.to_dict()), "Designed"
+                        entry["luminance"] = found.luminance
             report = core.report(solution)
             errors = {(cell.reflectance, cell.light): cell.error for cell in report.cells}
             for index, cell in enumerate(design.cells):

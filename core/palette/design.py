@@ -27,9 +27,9 @@ class Entry:
     """One light or one reflectance.
 
     spectrum: what it is, or, where it is `designed`, what it was made last; None for what is still to be made.
-    luminance: of a light that is not designed, Y of a white under it. bounds: lowest and highest value of what is
-    designed; those of `Criteria` unless given. near: a Spectrum that it is to stay near to, with `near_weight`; span: a
-    set of reflectances of the library whose principal components it is to be made of, with `span_weight`.
+    luminance: of a light, Y of a white under it, whatever the scale of its spectrum. bounds: lowest and highest value
+    of what is designed; those of `Criteria` unless given. near: a Spectrum that it is to stay near to, with `near_weight`;
+    span: a set of reflectances of the library whose principal components it is to be made of, with `span_weight`.
     """
 
     name: str
@@ -226,9 +226,8 @@ def _sampled(kind, entry):
     if entry.spectrum is None:
         return np.full(WAVELENGTHS.size, 1.0 if kind == "light" else 0.5)
     values = entry.spectrum.sampled()
-    if kind == "light" and not entry.designed:
-        return entry.luminance * colours.luminance_one(values)
-    return values
+    unit = colours.luminance_one(values) if kind == "light" else None
+    return values if unit is None else entry.luminance * unit
 
 
 def _check_criteria(criteria):

@@ -104,7 +104,7 @@ def _alone(palette, cell):
 
     def only(kind, entries):
         return tuple(
-            replace(entry, designed=(kind, index) == made, near_weight=0.0, span_weight=0.0, luminance=_as_it_is(entry))
+            replace(entry, designed=(kind, index) == made, near_weight=0.0, span_weight=0.0)
             for index, entry in enumerate(entries)
         )
 
@@ -119,13 +119,6 @@ def _alone(palette, cell):
             criteria=replace(palette.criteria, space="perceptual", smoothness=1e-5, model_error=0.0),
         )
     )
-
-
-def _as_it_is(entry):
-    """The luminance that leaves a light as it is when it is no longer designed."""
-    if entry.designed and entry.spectrum is not None and entry.spectrum.kind == "illuminant":
-        return max(float(colours.xyz_weights()[1] @ entry.spectrum.sampled()), 0.0)
-    return entry.luminance
 
 
 def _difference(palette, xyz, whites, one):

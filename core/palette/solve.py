@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import PaletteError
 from ..spectrum import WAVELENGTHS, Spectrum
+from . import colours
 from .criteria import State, system
 from .programme import minimum
 
@@ -63,20 +64,22 @@ def _best(palette, designed):
     best = min(tried, key=lambda one: one.cost)
     if len(starts) > 1:
         best = _descend(palette, best.state, designed, None, STEPS)
-    made = {}
-    for kind, index in designed:
-        values = (best.state.lights if kind == "light" else best.state.reflectances)[index]
-        entry = palette.entry(kind, index)
-        spectrum_kind = "illuminant" if kind == "light" else "reflectance"
-        made[kind, index] = replace(
-            entry, spectrum=Spectrum(WAVELENGTHS, values, entry.name, spectrum_kind, "designed")
-        )
+    made = {key: _made(palette.entry(*key), *key, best.state) for key in designed}
     filled = replace(
         palette,
         lights=tuple(made.get(("light", j), entry) for j, entry in enumerate(palette.lights)),
         reflectances=tuple(made.get(("reflectance", i), entry) for i, entry in enumerate(palette.reflectances)),
     )
     return replace(best, palette=filled)
+
+
+def _made(entry, kind, index, state):
+    """The entry with its spectrum found."""
+    is_light = kind == "light"
+    values = (state.lights if is_light else state.reflectances)[index]
+    spectrum = Spectrum(WAVELENGTHS, values, entry.name, "illuminant" if is_light else "reflectance", "designed")
+    luminance = float(colours.xyz_weights()[1] @ values) if is_light else entry.luminance
+    return replace(entry, spectrum=spectrum, luminance=luminance)
 
 
 def start(palette):

@@ -144,6 +144,7 @@ def test_designed_lights_on_the_light_dial():
     bpy.ops.relume.palette_select(column=1)
     assert bpy.ops.relume.palette_assign_lights(group=group.name) == {"FINISHED"}
     assert [(part.illuminant, part.weight) for part in group.blend] == [("daylight", 0.0), ("lamp", 1.0)]
+    assert group.gain == pytest.approx(design.lights[1].luminance)
     lamp = palette_tables.design_of(design).lights[1].spectrum.sampled()
     shining = group.spectrum().sampled()
     np.testing.assert_allclose(shining / shining.max(), lamp / lamp.max(), atol=1e-9)
