@@ -27,9 +27,10 @@ class Entry:
     """One light or one reflectance.
 
     spectrum: what it is, or, where it is `designed`, what it was made last; None for what is still to be made.
-    luminance: of a light, Y of a white under it, whatever the scale of its spectrum. bounds: lowest and highest value
-    of what is designed; those of `Criteria` unless given. near: a Spectrum that it is to stay near to, with `near_weight`;
-    span: a set of reflectances of the library whose principal components it is to be made of, with `span_weight`.
+    luminance: of a light, Y of a white under it, whatever the scale of its spectrum.
+    bounds: lowest and highest value of what is designed; those of `Criteria` unless given.
+    near: a Spectrum that it is to stay near to, with `near_weight`; span: a set of reflectances of the library whose
+    principal components it is to be made of, with `span_weight`.
     """
 
     name: str
