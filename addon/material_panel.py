@@ -149,8 +149,9 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
                 glass.replace(node, files.read(self.filepath, "refractive index")[0])
             else:
                 spectrum = files.read(self.filepath)[0]
-                _assign_reflectance(material, _socket(node, self.socket), spectrum)
-                if told := beyond(spectrum):
+                socket = _socket(node, self.socket)
+                _assign_reflectance(material, socket, spectrum)
+                if told := beyond(spectrum, spectra.shines(socket)):
                     self.report({"WARNING"}, told)
         except SpectrumError as error:
             self.report({"ERROR"}, str(error))

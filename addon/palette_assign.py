@@ -67,9 +67,10 @@ class AssignReflectances(OfPalette, Operator):
         told = []
         for row in rows:
             spectrum = Spectrum.from_dict(json.loads(row.spectrum))
-            told += filter(None, [beyond(spectrum)])
+            socket = _place(row.material)[1]
+            told += filter(None, [beyond(spectrum, spectra.shines(socket))])
             tree = self._tree(design, row, spectrum)
-            spectra.assign(row.material, _place(row.material)[1], tree)
+            spectra.assign(row.material, socket, tree)
             if self.asset and tree.asset_data is None:
                 tree.asset_mark()
         if told:
@@ -130,9 +131,11 @@ class AssignLights(OfPalette, Operator):
         if not chosen.spectrum:
             self.report({"ERROR"}, f"light {chosen.name!r} has no spectrum yet: create spectra")
             return {"CANCELLED"}
-        if (problem := _negative(lights if self.dial else [chosen])) is not None:
-            self.report({"ERROR"}, problem)
-            return {"CANCELLED"}
+        from ..core.palette import beyond
+
+        for light in lights if self.dial else [chosen]:
+            if told := beyond(mixer.stored_spectrum(light.spectrum)):
+                self.report({"WARNING"}, told)
         row = rows[self.group]
         with mixer.quiet():
             if self.dial and len(lights) > 1:
@@ -150,14 +153,6 @@ class AssignLights(OfPalette, Operator):
                 row.gain = chosen.luminance
         mixer.mix_changed(row, context)
         return {"FINISHED"}
-
-
-def _negative(lights):
-    from ..core.palette import beyond
-    from ..core.spectrum import Spectrum
-
-    told = (beyond(Spectrum.from_dict(json.loads(light.spectrum))) for light in lights)
-    return next(filter(None, told), None)
 
 
 class PickMaterial(OfPalette, Operator):

@@ -21,6 +21,7 @@ __all__ = [
     "new_reflectance",
     "replace",
     "restore_all",
+    "shines",
     "source_of",
     "spectra_of",
     "unassign",
@@ -110,6 +111,11 @@ def assign(material, socket, tree, output: str = "Color"):
     if old is not None and old != node:
         _clear_unused(node_tree, old)
     return node
+
+
+def shines(socket) -> bool:
+    """Whether a shader socket is the colour of what a surface, a volume or a world emits."""
+    return socket.node.bl_idname in ("ShaderNodeEmission", "ShaderNodeBackground") or "Emission" in socket.name
 
 
 def _clear_unused(tree, node):
