@@ -13,7 +13,7 @@ import numpy as np
 from ..core import coefficients, view
 from ..core.coefficients import CoefficientImage
 from ..core.errors import RenderError
-from . import passes, setup
+from . import passes, setup, surfaces
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "picture", "render", "save_picture"]
 
@@ -23,11 +23,13 @@ class Rendered:
     """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass.
 
     guides: what the denoiser may look at in each pass, as `denoise.denoised` takes it; empty if it was not asked for.
+    surface: (height, width, p) coefficients of what each pixel sees first, where the scene's passes carry them.
     """
 
     image: CoefficientImage
     times: dict[str, dict[str, float]]
     guides: tuple[dict[str, np.ndarray], ...] = ()
+    surface: np.ndarray | None = None
 
 
 def render(
@@ -48,6 +50,7 @@ def render(
         try:
             found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
+            surface = surfaces.read(path, scene) if surfaces.AOV in layers[0].aovs else None
             times = coefficients.read_render_times(path, names)
         except coefficients.CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
@@ -73,6 +76,7 @@ def render(
         ),
         times,
         found,
+        surface,
     )
 
 

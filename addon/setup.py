@@ -23,6 +23,7 @@ from . import (
     render_settings,
     sockets,
     spectra,
+    surfaces,
 )
 from .icons import CURVE
 from .render_settings import SUBSET
@@ -266,6 +267,7 @@ def set_up_afresh(scene):
 def remove(scene):
     """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up."""
     compositing.remove(scene)
+    surfaces.remove(scene)
     passes.remove(scene)
     render_settings.give_back(scene)
     _take_back_illuminants(scene)

@@ -27,6 +27,7 @@ __all__ = [
     "describe",
     "read",
     "read_guides",
+    "read_pass",
     "read_render",
     "read_render_times",
     "read_rgb",
@@ -183,6 +184,17 @@ def read_render(
     if alpha is None:
         alpha = np.ones(next(iter(coefficients.values())).shape[:2], dtype=np.float32)
     return {group: coefficients[group] for group in groups}, alpha
+
+
+def read_pass(path: str | Path, model: FactorModel, layers: Sequence[str], name: str) -> np.ndarray:
+    """(height, width, p) float32 of one pass of all `layers`, as an AOV. Raises CoefficientImageError."""
+    path = Path(path)
+    names = [f"{layer}.{name}.{c}" for layer in layers for c in "RGB"][: model.channels]
+    channels = _channels(path, set(names).__contains__)
+    missing = [channel for channel in names if channel not in channels]
+    if missing:
+        raise CoefficientImageError(f"{path}: pass {missing[0]!r} is missing; render again with it")
+    return np.stack([channels[channel] for channel in names], axis=-1)
 
 
 def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:

@@ -16,6 +16,7 @@ from .pictures import matrix_colours
 from .report import Report, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
+from .tryon import TriedOn, try_on
 
 __all__ = [
     "Cell",
@@ -28,6 +29,7 @@ __all__ = [
     "PaletteError",
     "Report",
     "Solution",
+    "TriedOn",
     "beyond",
     "create",
     "from_dict",
@@ -43,6 +45,7 @@ __all__ = [
     "scaled",
     "scene_from_xyz",
     "to_dict",
+    "try_on",
     "upsampled",
     "xyz_from_scene",
 ]

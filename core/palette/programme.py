@@ -18,10 +18,11 @@ SOFT = 1e3  # weight of free colours where nothing makes them equal
 INSIDE, HELD = 1e-12, 1e-7  # by how much bounds and hard equations may be missed
 
 
-def minimum(equations):
+def minimum(equations, soften=False):
     """The x of least squared residuals within its bounds -> {key: (n,)}, error of the KKT conditions, words.
 
-    The words name hard equations that nothing within the bounds fulfils, and which are then only weighty.
+    The words name hard equations that nothing within the bounds fulfils, and which are then only weighty; `soften` says
+    that it is known already that there are such.
     """
     x = unbounded(equations)
     inside = all(
@@ -33,7 +34,7 @@ def minimum(equations):
         x = {key: np.clip(x[key], *equations.bounds[key]) for key in x}
         return x, _kkt(equations, x, None), ()
     # What cannot hold without bounds cannot hold within them
-    best = _within(equations) if held else None
+    best = _within(equations) if held and not soften else None
     if best is not None:
         return *best, ()
     softened = replace(equations, blocks=tuple(_softened(block) for block in equations.blocks))

@@ -113,19 +113,24 @@ def is_convex(palette, designed):
 def _descend(palette, state, designed, push, most):
     """Solve, look where that leads, and solve again until nothing changes -> Solution."""
     turns, convex = _turns(palette, designed), is_convex(palette, designed)
-    before, cost, slack = None, np.inf, ()
+    before, cost, slack = None, np.inf, {}
     for step in range(1, (2 if convex else most + 1)):
         kkt = 0.0
-        for turn in turns:
-            x, error, slack = minimum(system(palette, state, turn, push))
+        for number, turn in enumerate(turns):
+            x, error, slack[number] = minimum(system(palette, state, turn, push), soften=bool(slack.get(number)))
             kkt, state = max(kkt, error), _moved(state, x)
         former, cost = cost, sum(costs(palette, state).values())
         seen = state.colours()
         level = abs(former - cost) < COST_RELATIVE * cost + COST_ABSOLUTE
         if convex or (before is not None and (level or np.abs(seen - before).max() < SETTLED)):
-            return Solution(palette, state, _free(state), convex, True, step, kkt, cost, slack)
+            return Solution(palette, state, _free(state), convex, True, step, kkt, cost, _told(slack))
         before = seen
-    return Solution(palette, state, _free(state), False, False, most, kkt, cost, slack)
+    return Solution(palette, state, _free(state), False, False, most, kkt, cost, _told(slack))
+
+
+def _told(slack):
+    """The words of all turns, each once."""
+    return tuple(dict.fromkeys(words for each in slack.values() for words in each))
 
 
 def _free(state):
