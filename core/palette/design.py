@@ -5,7 +5,7 @@ has luminance 1.
 """
 
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 
@@ -19,6 +19,7 @@ __all__ = ["Cell", "Constancy", "Criteria", "Difference", "Entry", "FreeColour",
 
 SPACES = ("rgb", "xyz", "perceptual")
 LEAST_SAMPLES = 4  # fewer within the visible range say nothing of a spectrum
+MOST = 1e6  # of weights, luminances and colours: beyond it their squares leave what is computed with
 NO_BOUNDS = (-inf, inf)
 
 
@@ -147,7 +148,11 @@ class Palette:
                 raise PaletteError(f"{where}: say how far apart they are to be at least or at most")
             if one.least is not None and one.most is not None and one.least > one.most:
                 raise PaletteError(f"{where}: at least {one.least:g} and at most {one.most:g} exclude each other")
+            _check_number(f"{where}: the weight", one.weight)
+            for amount in (one.least, one.most):
+                _check_number(f"{where}: a difference", 0.0 if amount is None else amount)
         for one in self.constancies:
+            _check_number(f"{self.reflectances[one.reflectance].name!r}: the weight of its constancy", one.weight)
             if len(set(one.lights)) < 2:
                 raise PaletteError(
                     f"{self.reflectances[one.reflectance].name!r} stays the same under two lights or more"
@@ -166,8 +171,9 @@ class Palette:
                 raise PaletteError(f"{where}: give a target colour or a free colour, and not both")
             if cell.target is not None and not np.isfinite(cell.target).all():
                 raise PaletteError(f"{where}: the target colour is not three finite numbers")
-            if not (isfinite(cell.weight) and cell.weight >= 0):
-                raise PaletteError(f"{where}: the weight must be 0 or more, not {cell.weight:g}")
+            if cell.target is not None and np.abs(cell.target).max() > MOST:
+                raise PaletteError(f"{where}: the target colour is more than {MOST:g} times as bright as white")
+            _check_number(f"{where}: the weight", cell.weight)
 
     def where(self, cell):
         """The words for a cell."""
@@ -209,6 +215,11 @@ class Palette:
         return np.array([_sampled(kind, entry) for entry in entries]).reshape(len(entries), WAVELENGTHS.size)
 
 
+def _check_number(what, value):
+    if not 0 <= value <= MOST:
+        raise PaletteError(f"{what} must be from 0 to {MOST:g}, not {value:g}")
+
+
 def scaled(palette, kind, index, way, factor=1.0):
     """The Entry of a light or reflectance, normalised by "LUMINANCE" or "L2" norm, and times `factor`.
 
@@ -219,7 +230,7 @@ def scaled(palette, kind, index, way, factor=1.0):
         raise PaletteError(f"{kind} {entry.name!r} has no spectrum yet: create spectra")
     values = factor * colours.normalised(palette.sampled(kind)[index], way)
     spectrum = replace(entry.spectrum, wavelengths=WAVELENGTHS, values=values)
-    luminance = float(colours.xyz_weights()[1] @ values) if kind == "light" else entry.luminance
+    luminance = max(float(colours.xyz_weights()[1] @ values), 0.0) if kind == "light" else entry.luminance
     return replace(entry, spectrum=spectrum, luminance=luminance)
 
 
@@ -237,8 +248,7 @@ def _check_criteria(criteria):
     if criteria.use_model and criteria.model is None:
         raise PaletteError("a design for the colours of a model needs that model")
     for name in ("model_error", "smoothness"):
-        if not (isfinite(getattr(criteria, name)) and getattr(criteria, name) >= 0):
-            raise PaletteError(f"{name.replace('_', ' ')} must be a weight of 0 or more")
+        _check_number(f"the weight of {name.replace('_', ' ')}", getattr(criteria, name))
 
 
 def _check_entry(kind, entry, bounds):
@@ -260,10 +270,7 @@ def _check_entry(kind, entry, bounds):
         raise PaletteError(
             f"{where}: no set of reflectances {entry.span!r}: choose {', '.join(library.REFLECTANCE_SETS)}"
         )
-    if min(entry.near_weight, entry.span_weight) < 0:
-        raise PaletteError(f"{where}: weights are 0 or more")
-    if kind == "light" and not entry.designed:
-        if not (isfinite(entry.luminance) and entry.luminance >= 0):
-            raise PaletteError(f"{where}: its luminance must be 0 or more")
-        if colours.luminance_one(entry.spectrum.sampled()) is None:
-            raise PaletteError(f"{where} has no power where the eye sees")
+    for name in ("near_weight", "span_weight", "luminance"):
+        _check_number(f"{where}: its {name.replace('_', ' ')}", getattr(entry, name))
+    if kind == "light" and not entry.designed and colours.luminance_one(entry.spectrum.sampled()) is None:
+        raise PaletteError(f"{where} has no power where the eye sees")

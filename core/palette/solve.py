@@ -78,7 +78,7 @@ def _made(entry, kind, index, state):
     is_light = kind == "light"
     values = (state.lights if is_light else state.reflectances)[index]
     spectrum = Spectrum(WAVELENGTHS, values, entry.name, "illuminant" if is_light else "reflectance", "designed")
-    luminance = float(colours.xyz_weights()[1] @ values) if is_light else entry.luminance
+    luminance = max(float(colours.xyz_weights()[1] @ values), 0.0) if is_light else entry.luminance
     return replace(entry, spectrum=spectrum, luminance=luminance)
 
 

@@ -249,7 +249,7 @@ BAD = {
     "is given twice": lambda: Palette((LIGHT,), (ROW,), (Cell(0, 0, (0, 0, 0)), Cell(0, 0, free="A"))),
     "and not both": lambda: Palette((LIGHT,), (ROW,), (Cell(0, 0, (0, 0, 0), free="A"),)),
     "three finite numbers": lambda: Palette((LIGHT,), (ROW,), (Cell(0, 0, (0, np.nan, 0)),)),
-    "the weight must be": lambda: Palette((LIGHT,), (ROW,), (Cell(0, 0, (0, 0, 0), -1.0),)),
+    "the weight must be from 0": lambda: Palette((LIGHT,), (ROW,), (Cell(0, 0, (0, 0, 0), -1.0),)),
     "exclude each other": lambda: Palette((LIGHT,), designed(2), differences=(Difference(0, 0, 1, 5.0, 1.0),)),
     "does not differ from itself": lambda: Palette((LIGHT,), (ROW,), differences=(Difference(0, 0, 0, 1.0),)),
     "two lights or more": lambda: Palette((LIGHT,), (ROW,), constancies=(Constancy(0, (0,)),)),
