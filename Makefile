@@ -11,7 +11,7 @@ test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blende
 	.venv/bin/pytest
 
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
-	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py -m ""
+	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py tests/core/test_palette_solve.py -m ""
 
 lint: .venv/.complete ## Check style and format
 	.venv/bin/ruff check .
