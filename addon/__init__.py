@@ -10,10 +10,20 @@ __all__ = ["register", "unregister"]
 def _modules():
     from . import handlers
     from .cli import commands
-    from .store import properties
-    from .ui import icons, material_panel, operators, panels
+    from .store import palette, properties
+    from .ui import (
+        icons,
+        material_panel,
+        operators,
+        palette_assign,
+        palette_entries,
+        palette_operators,
+        palette_panel,
+        panels,
+    )
 
-    return properties, icons, operators, panels, material_panel, handlers, commands
+    palettes = (palette, palette_operators, palette_entries, palette_assign, palette_panel)
+    return properties, icons, operators, panels, *palettes, material_panel, handlers, commands
 
 
 def register():

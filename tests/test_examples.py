@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from relume.core import bases, coefficients, files, library
+from relume.core.model import bases
+from relume.core.picture import coefficients
+from relume.core.spectra import files, library
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

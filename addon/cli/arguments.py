@@ -15,6 +15,7 @@ __all__ = ["REPORTS", "number", "parse"]
 REPORTS = {
     "tables": "the tables of Drew & Finlayson (2003), made again",
     "stability": "what every model does with difficult input",
+    "palette": "lights and reflectances designed together",
 }
 
 FRAMES = (-1048574, 1048574)  # Blender's

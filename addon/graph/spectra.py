@@ -23,7 +23,9 @@ __all__ = [
     "mend_all",
     "new_conductor",
     "new_reflectance",
+    "replace",
     "restore_all",
+    "shines",
     "source_of",
     "spectra_of",
     "unassign",
@@ -64,13 +66,23 @@ def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
     for socket, (kind, _) in outputs.items():
         nodes.add_socket(tree, socket, kind, output=True)
     tree[SPECTRA] = {socket: spectrum.to_dict() for socket, (_, spectrum) in outputs.items()}
+    _fill_as_it_is(tree)
+    return tree
+
+
+def replace(tree, spectrum: Spectrum):
+    """Make another reflectance of a spectrum group, wherever it is used."""
+    tree[SPECTRA] = {"Color": spectrum.to_dict()}
+    _fill_as_it_is(tree)
+
+
+def _fill_as_it_is(tree):
     _fill_plain(tree, _plain(tree))
     # Channels of the model being rendered, where there is one
     for scene in bpy.data.scenes:
         if scene.relume.shades:
             _fill(tree, scene.relume.model())
             break
-    return tree
 
 
 def spectra_of(tree) -> dict[str, Spectrum]:
@@ -104,6 +116,11 @@ def assign(material, socket, tree, output: str = "Color"):
     if old is not None and old != node:
         _clear_unused(node_tree, old)
     return node
+
+
+def shines(socket) -> bool:
+    """Whether a shader socket is the colour of what a surface, a volume or a world emits."""
+    return socket.node.bl_idname in ("ShaderNodeEmission", "ShaderNodeBackground") or "Emission" in socket.name
 
 
 def _clear_unused(tree, node):

@@ -17,7 +17,7 @@ from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import Light
 from ..host import console
 from ..host.blend_file import first_line
-from . import setup, view_layers
+from . import setup, surfaces, view_layers
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "check_view", "described", "picture", "render", "save_picture"]
 
@@ -27,11 +27,13 @@ class Rendered:
     """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass.
 
     guides: what the denoiser may look at in each pass, as `denoise.denoised` takes it; empty if it was not asked for.
+    surface: (height, width, p) coefficients of what each pixel sees first, where the scene's passes carry them.
     """
 
     image: CoefficientImage
     times: dict[str, dict[str, float]]
     guides: tuple[dict[str, np.ndarray], ...] = ()
+    surface: np.ndarray | None = None
 
 
 def render(
@@ -55,6 +57,7 @@ def render(
         try:
             found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
+            surface = surfaces.read(path, scene) if surfaces.AOV in layers[0].aovs else None
             times = coefficients.read_render_times(path, names)
         except CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
@@ -62,7 +65,7 @@ def render(
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({reason})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = view_layers.samples_of(layer, scene)
-    return Rendered(replace(said, groups=channels, alpha=alpha), times, found)
+    return Rendered(replace(said, groups=channels, alpha=alpha), times, found, surface)
 
 
 def described(scene) -> CoefficientImage:

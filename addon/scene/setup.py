@@ -13,7 +13,7 @@ from ..graph import glass, lights, nodes, sockets, spectra
 from ..host import animation, interruption, inventory
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
-from . import compositing, content, faults, note, render_settings, rows, view_layers
+from . import compositing, content, faults, note, render_settings, rows, surfaces, view_layers
 from .render_settings import SUBSET
 
 __all__ = [
@@ -258,6 +258,7 @@ def _take_out(scene):
     """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
     compositing.remove(scene)
     note.remove(scene)
+    surfaces.remove(scene)
     view_layers.remove(scene)
     render_settings.give_back(scene)
     _take_back_illuminants(scene)

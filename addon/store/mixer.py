@@ -90,6 +90,13 @@ def stored_spectrum(text: str):
     return Spectrum.from_dict(json.loads(text))
 
 
+def part_spectrum(name: str, measured: str = ""):
+    """The spectrum of a part of a blend: its own where it has one, as JSON, or that of a name."""
+    from ...core.spectra import library
+
+    return stored_spectrum(measured) if measured else library.illuminant(name)
+
+
 def _file_chosen(self, context):
     """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
     from ...core.spectra import files
@@ -127,6 +134,7 @@ class BlendPart(PropertyGroup):
     illuminant: StringProperty(
         name="Illuminant", description="An illuminant of the blend", default="D65", update=mix_changed
     )
+    measured: StringProperty(options={"HIDDEN"})  # its own spectrum, as JSON, where the library does not have it
     weight: FloatProperty(
         name="Weight",
         description="This illuminant's part in the brightness of the light group",
@@ -136,6 +144,10 @@ class BlendPart(PropertyGroup):
         subtype="FACTOR",
         update=mix_changed,
     )
+
+    def spectrum(self):
+        """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
+        return part_spectrum(self.illuminant, self.measured)
 
 
 class LightGroup(PropertyGroup):
@@ -279,7 +291,7 @@ def is_touched(row) -> bool:
 
 def choice(row) -> dict:
     """All that a row of the mixer says, as a snapshot keeps it."""
-    return {name: getattr(row, name) for name in _ROW} | {"blend": [[p.illuminant, p.weight] for p in row.blend]}
+    return {name: getattr(row, name) for name in _ROW} | {"blend": _blend(row)}
 
 
 def choices(settings) -> dict:
@@ -302,9 +314,14 @@ def spectrum_of(said: dict):
     if said["source"] == "FILE":
         return stored_spectrum(said["measured"])
     if said["source"] == "BLEND":
-        return mixing.blend(tuple((library.illuminant(name), weight) for name, weight in said["blend"]))
+        parts = said["blend"]
+        return mixing.blend(tuple((part_spectrum(name, *measured), weight) for name, weight, *measured in parts))
     named = {"PLANCKIAN": f"Planckian {said['temperature']:.0f} K", "DAYLIGHT": f"D {said['cct']:.0f} K"}
     return library.illuminant(named.get(said["source"], said["illuminant"]))
+
+
+def _blend(row) -> list:
+    return [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
 
 
 def apply(settings, chosen: dict) -> list[str]:
@@ -323,9 +340,10 @@ def apply(settings, chosen: dict) -> list[str]:
             _set(row, {name: values[name] for name in _ROW})
             if choice(row)["blend"] != values["blend"]:
                 row.blend.clear()
-                for illuminant, weight in values["blend"]:
+                for illuminant, weight, *measured in values["blend"]:
                     part = row.blend.add()
                     part.illuminant, part.weight = illuminant, weight
+                    part.measured = measured[0] if measured else ""
         if chosen["balance"]:
             _set(settings, filled(settings, chosen["balance"]))
     mix_changed(settings, bpy.context)

@@ -43,9 +43,8 @@ class LightDial(NeedsSetUp, Operator):
         self.before = [part.weight for part in row.blend]
         self.dragging = False
         from ...core.picture import drawing
-        from ...core.spectra import library
 
-        self.colors = [tuple(drawing.swatch(library.illuminant(part.illuminant)).tolist()) for part in row.blend]
+        self.colors = [tuple(drawing.swatch(part.spectrum()).tolist()) for part in row.blend]
         self.names = [part.illuminant for part in row.blend]
         space = type(area.spaces.active)
         self.handle = space.draw_handler_add(self._draw, (context.scene,), "WINDOW", "POST_PIXEL")

@@ -3,7 +3,7 @@
 import bpy
 import bpy.utils.previews
 
-__all__ = ["register", "swatch_and_curve", "unregister"]
+__all__ = ["curves", "patch", "register", "swatch_and_curve", "unregister"]
 
 
 _previews = None
@@ -26,6 +26,33 @@ def swatch_and_curve(curve, swatch) -> int:
         preview.icon_pixels_float.foreach_set(small.ravel())
         preview.image_size = large.shape[1::-1]
         preview.image_pixels_float.foreach_set(large.ravel())
+    return _previews[key].icon_id
+
+
+def patch(wanted, full, model) -> int:
+    """The icon of a patch of the palette, of three sRGB colours (3,). 0 in a Blender without a window."""
+    from ...core.picture import drawing
+
+    key = "patch " + " ".join(f"{value:.3f}" for color in (wanted, full, model) for value in color)
+    return _picture(key, lambda: drawing.patch(wanted, full, model))
+
+
+def curves(lines) -> int:
+    """The icon of curves, (values (81,), sRGB (3,)) each. 0 in a Blender without a window."""
+    from ...core.picture import drawing
+
+    key = "curves " + " ".join(f"{value:.3g}" for values, color in lines for value in (*values, *color))
+    return _picture(key, lambda: drawing.lines(lines)) if lines else 0
+
+
+def _picture(key: str, draw) -> int:
+    if _previews is None:
+        return 0
+    if key not in _previews:
+        preview, picture = _previews.new(key), draw()
+        preview.icon_size = preview.image_size = picture.shape[1::-1]
+        preview.icon_pixels_float.foreach_set(picture.ravel())
+        preview.image_pixels_float.foreach_set(picture.ravel())
     return _previews[key].icon_id
 
 

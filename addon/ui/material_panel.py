@@ -9,52 +9,20 @@ from bpy.utils import register_classes_factory
 from bpy_extras.io_utils import ImportHelper
 
 from ...core.spectra.spectrum import SpectrumError
-from ..graph import glass, nodes, spectra
-from ..graph.closures import in_use, spectral_sockets
+from ..graph import glass, places, spectra
 
-__all__ = ["CLASSES", "chosen_at", "places", "register", "unregister"]
+__all__ = ["CLASSES", "register", "unregister"]
 
-# What a socket, or a whole node, takes from the library
-_REFLECTANCE, _METAL, _GLASS = "reflectance", "metal", "glass"
-_WORDS = {_REFLECTANCE: "RGB colour", _METAL: "RGB metal", _GLASS: "Without dispersion"}
-
-
-def places(material) -> list[tuple[str, str, str]]:
-    """(node, socket identifier, what it takes) of every place in a material that can have a measured spectrum.
-
-    A metal or a glass is chosen for the whole of a node: its socket is "".
-    """
-    found = []
-    for node in material.node_tree.nodes if material.node_tree else ():
-        if node.bl_idname in glass.GLASS_NODES or nodes.role(node) == "glass":
-            found.append((node.name, "", _GLASS))
-        if node.bl_idname == "ShaderNodeBsdfMetallic":
-            found.append((node.name, "", _METAL))
-        else:
-            found += [(node.name, s.identifier, _REFLECTANCE) for s in spectral_sockets(node) if in_use(s)]
-    return found
-
-
-def chosen_at(node, identifier: str, takes: str) -> str:
-    """Name of the spectrum at a place, "" if there is none."""
-    if takes == _GLASS:
-        return spectra.spectra_of(node.node_tree)["IOR"].name if nodes.role(node) == "glass" else ""
-    socket = node.inputs["IOR"] if takes == _METAL else _socket(node, identifier)
-    tree = spectra.source_of(socket)
-    return next(iter(spectra.spectra_of(tree).values())).name if tree and spectra.SPECTRA in tree else ""
-
-
-def _socket(node, identifier: str):
-    return next(socket for socket in node.inputs if socket.identifier == identifier)
+_WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GLASS: "Without dispersion"}
 
 
 @cache  # Blender keeps no reference to the strings
 def _library(takes: str) -> list[tuple[str, str, str]]:
     from ...core.spectra import library
 
-    if takes == _METAL:
+    if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
-    if takes == _GLASS:
+    if takes == places.GLASS:
         return [(name, name, "") for name in library.glasses()]
     found = [spectrum for label in library.REFLECTANCE_SETS for spectrum in library.reflectances(label)]
     return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
@@ -64,13 +32,13 @@ def assign_from_library(material, node, identifier: str, takes: str, name: str):
     """Put a spectrum of the library in a place of a material. Raises LibraryError."""
     from ...core.spectra import library
 
-    if takes == _METAL:
+    if takes == places.METAL:
         n, k = library.conductor(name)
         _assign_metal(material, node, n, k)
-    elif takes == _GLASS:
+    elif takes == places.GLASS:
         glass.replace(node, library.glass(name))
     else:
-        _assign_reflectance(material, _socket(node, identifier), library.reflectance(name))
+        _assign_reflectance(material, places.socket_of(node, identifier), library.reflectance(name))
 
 
 def _assign_reflectance(material, socket, spectrum):
@@ -117,7 +85,7 @@ class AssignSpectrum(_Place, Operator):
     bl_label = "Spectrum"
     bl_property = "spectrum"
 
-    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or _REFLECTANCE))
+    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or places.REFLECTANCE))
 
     def invoke(self, context, event):
         context.window_manager.invoke_search_popup(self)
@@ -139,22 +107,28 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
     )
 
     def execute(self, context):
+        from ...core.palette import beyond
         from ...core.spectra import files
 
         material, node = self.target(context)
         try:
-            found = files.read(self.filepath, _REFLECTANCE if self.takes == _REFLECTANCE else "refractive index")
-            if self.takes == _METAL:
+            found = files.read(
+                self.filepath, places.REFLECTANCE if self.takes == places.REFLECTANCE else "refractive index"
+            )
+            if self.takes == places.METAL:
                 n, k = _metal_in(found, Path(self.filepath))
                 _assign_metal(material, node, n, k)
-            elif self.takes == _GLASS:
+            elif self.takes == places.GLASS:
                 glass.replace(node, found[0])
             else:
-                _assign_reflectance(material, _socket(node, self.socket), found[0])
+                socket = places.socket_of(node, self.socket)
+                _assign_reflectance(material, socket, found[0])
+                if told := beyond(found[0], spectra.shines(socket)):
+                    self.report({"WARNING"}, told)
         except SpectrumError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        used = 2 if self.takes == _METAL else 1
+        used = 2 if self.takes == places.METAL else 1
         rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
         self.report({"INFO"}, f"From {found[0].source}{rest}")
         return {"FINISHED"}
@@ -178,13 +152,13 @@ class ClearSpectrum(_Place, Operator):
 
     def execute(self, context):
         material, node = self.target(context)
-        if self.takes == _GLASS:
+        if self.takes == places.GLASS:
             glass.put_back(node)
-        elif self.takes == _METAL:
+        elif self.takes == places.METAL:
             for name in ("IOR", "Extinction"):
                 spectra.unassign(material, node.inputs[name])
         else:
-            spectra.unassign(material, _socket(node, self.socket))
+            spectra.unassign(material, places.socket_of(node, self.socket))
         return {"FINISHED"}
 
 
@@ -202,11 +176,13 @@ class MaterialPanel(Panel):
 
     def draw(self, context):
         material, layout = context.material, self.layout
-        for name, identifier, takes in places(material):
+        for name, identifier, takes in places.of(material):
             node = material.node_tree.nodes[name]
-            chosen = chosen_at(node, identifier, takes)
+            chosen = places.chosen_at(node, identifier, takes)
             column = layout.column(align=True)
-            column.label(text=f"{node.label or name}: {_socket(node, identifier).name}" if identifier else name)
+            column.label(
+                text=f"{node.label or name}: {places.socket_of(node, identifier).name}" if identifier else name
+            )
             row = column.row(align=True)
             buttons = [row.operator("relume.assign_spectrum", text=chosen or _WORDS[takes], icon="DOWNARROW_HLT")]
             buttons.append(row.operator("relume.assign_spectrum_file", text="", icon="FILEBROWSER"))

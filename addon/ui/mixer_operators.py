@@ -61,6 +61,8 @@ class ChooseIlluminant(Operator):
     def execute(self, context):
         row = context.scene.relume.light_groups[self.group]
         if self.part >= 0:
+            with mixer.quiet():
+                row.blend[self.part].measured = ""
             row.blend[self.part].illuminant = self.illuminant
             return {"FINISHED"}
         with mixer.quiet():

@@ -1,1 +1,49 @@
-"""Designing spectra."""
+"""Designing spectra: lights and materials that make the colours asked for, together.
+
+`design` says what is wanted, `criteria` makes equations of it, `solve` finds the spectra, `report` says how near they
+come, and `tables` reads and writes designs.
+
+[BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06.
+"""
+
+from ..errors import PaletteError
+from .colours import normalised, scene_from_xyz, xyz_from_scene
+from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, scaled
+from .limits import beyond
+from .metamers import metamer, metameric_black, metamers
+from .pictures import matrix_colours
+from .report import Report, patches, report
+from .solve import Solution, create
+from .tables import from_dict, read, to_dict, upsampled
+from .tryon import TriedOn, try_on
+
+__all__ = [
+    "Cell",
+    "Constancy",
+    "Criteria",
+    "Difference",
+    "Entry",
+    "FreeColour",
+    "Palette",
+    "PaletteError",
+    "Report",
+    "Solution",
+    "TriedOn",
+    "beyond",
+    "create",
+    "from_dict",
+    "matrix_colours",
+    "metamer",
+    "metameric_black",
+    "metamers",
+    "normalised",
+    "patches",
+    "read",
+    "report",
+    "scaled",
+    "scene_from_xyz",
+    "to_dict",
+    "try_on",
+    "upsampled",
+    "xyz_from_scene",
+]

@@ -13,7 +13,7 @@ from ..model.factor_model import FactorModel
 from . import exr
 from .coefficient_image import EVERYTHING_ELSE
 
-__all__ = ["check_unknown", "light_pass", "read_guides", "read_render", "read_render_times", "size"]
+__all__ = ["check_unknown", "light_pass", "read_guides", "read_pass", "read_render", "read_render_times", "size"]
 
 _COMPLETE = "render all view layers of the scene as it was set up"
 
@@ -83,6 +83,14 @@ def check_unknown(path: str | Path, layers: Sequence[str], groups: Sequence[str]
                 f"{path}: pass {name[:-2]!r} holds the light of a group that its description does not name; set the "
                 "scene up again, or give the one that was rendered with --scene FILE.blend"
             )
+
+
+def read_pass(path: str | Path, model: FactorModel, layers: Sequence[str], name: str) -> np.ndarray:
+    """(height, width, p) float32 of one pass of all `layers`, as an AOV. Raises CoefficientImageError."""
+    path, wanted = Path(path), _channels_of(layers, name, model.channels)
+    _check(path, wanted, exr.names(path), "render again with it")
+    channels = exr.channels(path, wanted)
+    return np.stack([channels[each] for each in wanted], axis=-1)
 
 
 def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:

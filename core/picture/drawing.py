@@ -7,7 +7,7 @@ from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 
-__all__ = ["circle", "curve", "icon", "plot", "ribbon", "swatch"]
+__all__ = ["circle", "curve", "icon", "lines", "patch", "plot", "ribbon", "swatch"]
 
 _OVERSAMPLING = 2
 
@@ -85,3 +85,42 @@ def _rainbow(wavelengths: Array) -> Array:
     green = [0.05, 0.10, 0.25, 0.70, 0.80, 0.85, 0.85, 0.50, 0.12, 0.02]
     blue = [0.40, 0.75, 0.95, 0.90, 0.40, 0.10, 0.10, 0.08, 0.08, 0.05]
     return np.stack([np.interp(wavelengths, stops, column) for column in (red, green, blue)], axis=1)
+
+
+def patch(wanted: Array, full: Array, model: Array, size: int = 32) -> np.ndarray:
+    """(size, size, 4) sRGB float32, lowest row first: `wanted` (3,) on the left, `full` over `model` on the right."""
+    picture = np.ones((size, size, 4), dtype=np.float32)
+    half = size // 2
+    for area, color in (
+        ((slice(None), slice(None, half)), wanted),
+        ((slice(half, None), slice(half, None)), full),
+        ((slice(None, half), slice(half, None)), model),
+    ):
+        picture[(*area, slice(3))] = np.clip(color, 0.0, 1.0)
+    return picture
+
+
+def lines(curves: list, width: int = 256, height: int = 256) -> np.ndarray:
+    """(height, width, 4) sRGB float32, lowest row first: curves (81,) with their colours (3,), on a common scale.
+
+    The scale holds 0 and all values; a line is drawn at 0, and at 1 where it is in sight.
+    """
+    fine_width, fine_height = width * _OVERSAMPLING, height * _OVERSAMPLING
+    picture = np.full((fine_height, fine_width, 4), 0.11)
+    picture[..., 3] = 1.0
+    low = min([0.0, *(float(np.min(values)) for values, _ in curves)])
+    high = max([1e-6, *(float(np.max(values)) for values, _ in curves)])
+    rows = np.arange(fine_height)[:, None] + 0.5
+
+    def row_of(value: float | Array) -> np.ndarray:
+        return (0.04 + 0.92 * (value - low) / (high - low)) * fine_height
+
+    for level in (0.0, 1.0):
+        if low <= level <= high:
+            picture[np.abs(rows[:, 0] - row_of(level)) < 1.5, :, :3] = 0.35
+    for values, color in curves:
+        fine = np.interp(np.linspace(0, len(values) - 1, fine_width), np.arange(len(values)), values)
+        here, there = row_of(fine), row_of(np.append(fine[1:], fine[-1]))
+        covered = (rows > np.minimum(here, there) - 3) & (rows < np.maximum(here, there) + 3)
+        picture[covered, :3] = np.clip(color, 0.15, 1.0)
+    return _reduced(picture).astype(np.float32)

@@ -3,9 +3,8 @@
 import bpy
 import pytest
 
-from relume.addon.graph import nodes, spectra
+from relume.addon.graph import nodes, places, spectra
 from relume.addon.scene import setup
-from relume.addon.ui import material_panel
 from relume.core.model import bases
 from relume.core.spectra import library
 
@@ -19,9 +18,7 @@ def cube(startup):
 
 def chosen(material):
     tree = material.node_tree
-    return {
-        place: material_panel.chosen_at(tree.nodes[place[0]], *place[1:]) for place in material_panel.places(material)
-    }
+    return {place: places.chosen_at(tree.nodes[place[0]], *place[1:]) for place in places.of(material)}
 
 
 BASE = ("Principled BSDF", "Base Color", "reflectance")
@@ -88,9 +85,9 @@ def test_metals_and_glasses(startup, cube):
         assign(("Metallic BSDF", "", "metal"), name)
         assert chosen(cube)["Metallic BSDF", "", "metal"] == name
     for name in library.glasses():
-        place = next(place for place in material_panel.places(cube) if place[2] == "glass")
+        place = next(place for place in places.of(cube) if place[2] == "glass")
         assign(place, name)
-    place = next(place for place in material_panel.places(cube) if place[2] == "glass")
+    place = next(place for place in places.of(cube) if place[2] == "glass")
     assert chosen(cube)[place] == library.glasses()[-1]
     clear(place)
     own = next(node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfGlass")

@@ -10,8 +10,10 @@ import pytest
 
 from relume.addon.cli import commands
 from relume.addon.scene import exr
-from relume.core import bases, coefficients, library
+from relume.core.model import bases
+from relume.core.picture import coefficients
 from relume.core.picture.coefficient_image import CoefficientImage
+from relume.core.spectra import library
 
 FEW = ("--lamps", "D65", "A")
 

@@ -10,8 +10,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 import browsers  # noqa: E402
 
-from relume.core import bases, coefficients, library  # noqa: E402
-from relume.core.picture.coefficient_image import CoefficientImage  # noqa: E402
+from relume.core.model import bases
+from relume.core.picture import coefficients
+from relume.core.picture.coefficient_image import CoefficientImage
+from relume.core.spectra import library
 
 FOUND = browsers.found()
 HOSTILE = "<img src=x onerror=alert(1)>\"'&</script><!--\u202eevil\u2066"

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from conftest import HOSTILE
 
-from relume.core import coefficients, library, spaces
+from relume.core.colour import spaces
+from relume.core.picture import coefficients
 from relume.core.picture.mix import Light
 from relume.core.picture.recombination import recombination_matrices
+from relume.core.spectra import library
 from relume.core.web import page
 
 ENTER, RIGHT, DOWN, ESCAPE = "\ue007", "\ue014", "\ue015", "\ue00c"

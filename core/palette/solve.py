@@ -1,0 +1,164 @@
+"""Finding the spectra of a design: in one step where it is convex, step by step where it is not.
+
+Lights and reflectances that meet and are both designed are found in turn: reflectances, lights, reflectances, …
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import PaletteError
+from ..spectra.spectrum import WAVELENGTHS, Spectrum
+from . import colours
+from .criteria import State, system
+from .programme import minimum
+
+__all__ = ["Solution", "costs", "create", "start"]
+
+STEPS = 60  # most of them, of what is not convex
+# It has converged where no colour changes by more than this, or the squared residuals by no more than these
+SETTLED, COST_RELATIVE, COST_ABSOLUTE = 1e-6, 1e-4, 1e-9
+TRIED = 4  # steps with each direction in which equal colours can be taken apart
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """palette: with its designed spectra. state: all spectra. free: {name: RGB (3,)}.
+
+    convex: whether the design is one convex problem; otherwise `converged` in `steps`. kkt: how far the solution is
+    from the conditions of an optimum. slack: free colours that had to be softened, in words.
+    """
+
+    palette: object
+    state: State
+    free: dict
+    convex: bool
+    converged: bool
+    steps: int
+    kkt: float
+    cost: float
+    slack: tuple = ()
+
+
+def create(palette):
+    """Find the designed spectra of a Palette -> Solution. Raises PaletteError for a design without anything to do."""
+    designed = palette.designed()
+    if not designed:
+        raise PaletteError("nothing is to be designed: mark a light or a reflectance as designed")
+    if not palette.meetings() and not any(palette.entry(*key).near_weight > 0 for key in designed):
+        raise PaletteError("the design has no targets: say what colour a reflectance is to have under a light")
+    for cell in palette.cells:
+        if cell.weight > 0 and cell.target is not None and np.min(cell.target) < -1e-9 and palette.criteria.bounded:
+            raise PaletteError(f"{palette.where(cell)}: a target colour below black needs spectra without bounds")
+    from ..model.optimise import one_thread
+
+    with one_thread():
+        return _best(palette, designed)
+
+
+def _best(palette, designed):
+    starts = [None]
+    if any(one.least is not None for one in palette.differences):
+        starts = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
+    tried = [_descend(palette, start(palette), designed, push, STEPS if len(starts) == 1 else TRIED) for push in starts]
+    best = min(tried, key=lambda one: one.cost)
+    if len(starts) > 1:
+        best = _descend(palette, best.state, designed, None, STEPS)
+    made = {key: _made(palette.entry(*key), *key, best.state) for key in designed}
+    filled = replace(
+        palette,
+        lights=tuple(made.get(("light", j), entry) for j, entry in enumerate(palette.lights)),
+        reflectances=tuple(made.get(("reflectance", i), entry) for i, entry in enumerate(palette.reflectances)),
+    )
+    return replace(best, palette=filled)
+
+
+def _made(entry, kind, index, state):
+    """The entry with its spectrum found."""
+    is_light = kind == "light"
+    values = (state.lights if is_light else state.reflectances)[index]
+    spectrum = Spectrum(WAVELENGTHS, values, entry.name, "illuminant" if is_light else "reflectance", "designed")
+    luminance = max(float(colours.xyz_weights()[1] @ values), 0.0) if is_light else entry.luminance
+    return replace(entry, spectrum=spectrum, luminance=luminance)
+
+
+def start(palette):
+    """Where a design begins: spectra as they are, flat where there are none yet -> State."""
+    return State(palette.sampled("light"), palette.sampled("reflectance"), {})
+
+
+def _turns(palette, designed):
+    """What is solved for together: all, or lights and reflectances in turn where two of them meet."""
+    chosen = set(designed)
+    meet = any(("reflectance", i) in chosen and ("light", j) in chosen for i, j in palette.meetings())
+    if not meet:
+        return [designed]
+    return [[key for key in designed if key[0] == kind] for kind in ("reflectance", "light")]
+
+
+def is_convex(palette, designed):
+    """Whether one step is all: nothing depends on the spectra that are being found."""
+    moving = {index for kind, index in designed if kind == "light"}
+    light = any(cell.light in moving for cell in palette.cells)
+    perceptual = palette.criteria.space == "perceptual"
+    return not (
+        len(_turns(palette, designed)) > 1
+        or palette.differences
+        or (light and (perceptual or palette.criteria.model is not None))
+        or any(perceptual or (one.adapted and moving & set(one.lights)) for one in palette.constancies)
+        or (perceptual and palette.criteria.model is not None and any(cell.free for cell in palette.cells))
+    )
+
+
+def _descend(palette, state, designed, push, most):
+    """Solve, look where that leads, and solve again until nothing changes -> Solution."""
+    turns, convex = _turns(palette, designed), is_convex(palette, designed)
+    before, cost, slack = None, np.inf, {}
+    for step in range(1, (2 if convex else most + 1)):
+        kkt = 0.0
+        for number, turn in enumerate(turns):
+            x, error, slack[number] = minimum(system(palette, state, turn, push), soften=bool(slack.get(number)))
+            kkt, state = max(kkt, error), _moved(state, x)
+        former, cost = cost, sum(costs(palette, state).values())
+        seen = state.colours()
+        level = abs(former - cost) < COST_RELATIVE * cost + COST_ABSOLUTE
+        if convex or (before is not None and (level or np.abs(seen - before).max() < SETTLED)):
+            return Solution(palette, state, _free(state), convex, True, step, kkt, cost, _told(slack))
+        before = seen
+    return Solution(palette, state, _free(state), False, False, most, kkt, cost, _told(slack))
+
+
+def _told(slack):
+    """The words of all turns, each once."""
+    return tuple(dict.fromkeys(words for each in slack.values() for words in each))
+
+
+def _free(state):
+    return {name: values for (kind, name), values in state.free.items() if kind == "free"}
+
+
+def costs(palette, state):
+    """{criterion: squared residuals} of a State that a design has come to."""
+    found, counted = {}, set()
+    x = {("light", j): values for j, values in enumerate(state.lights)}
+    x |= {("reflectance", i): values for i, values in enumerate(state.reflectances)} | state.free
+    for turn in _turns(palette, palette.designed()):
+        for block in system(palette, state, turn).blocks:
+            if (block.criterion, block.words) not in counted:
+                residual = block.residual(x)
+                found[block.criterion] = found.get(block.criterion, 0.0) + float(residual @ residual)
+                counted.add((block.criterion, block.words))
+    return found
+
+
+def _moved(state, x):
+    lights, reflectances = state.lights.copy(), state.reflectances.copy()
+    free = dict(state.free)
+    for (kind, index), values in x.items():
+        if kind == "light":
+            lights[index] = values
+        elif kind == "reflectance":
+            reflectances[index] = values
+        else:
+            free[kind, index] = values
+    return State(lights, reflectances, free)
