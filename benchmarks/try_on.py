@@ -17,7 +17,7 @@ import numpy as np
 
 from ..addon.graph import spectra
 from ..addon.scene import render, setup, surfaces
-from ..core import palette, view
+from ..core import Light, Mix, palette, recombination
 from ..core.colour import differences
 from ..core.model import bases
 from ..core.spectra import library
@@ -61,8 +61,8 @@ def main():
     model = before.image.model
     print(f"{model.passes} AOVs: {4 * 4 * model.passes} bytes a pixel, {bare:.1f} s without, {carried:.1f} s with them")
     print(f"materials without a colour to carry: {', '.join(without) or 'none'}")
-    lights = [view.Light(library.illuminant(name)) for name in LIGHTING.values()]
-    white = view.mixed_white(lights, model)
+    mix = Mix({group: Light(library.illuminant(name)) for group, name in LIGHTING.items()})
+    white = recombination.mixed_white(model, mix)
     print("| surface | tried on | pixels | ΔE before | seen: median / p98 after | elsewhere: median / p98 |")
     print("| --- | --- | --- | --- | --- | --- |")
     for name, new in TRIED:

@@ -1,5 +1,7 @@
 """Small pictures of illuminants for menus and panels, as arrays: Blender's panels cannot draw curves themselves."""
 
+from typing import Any
+
 import numpy as np
 
 from ..colour.spaces import rgb_to_xyz, srgb_encoded
@@ -112,7 +114,7 @@ def lines(curves: list, width: int = 256, height: int = 256) -> np.ndarray:
     high = max([1e-6, *(float(np.max(values)) for values, _ in curves)])
     rows = np.arange(fine_height)[:, None] + 0.5
 
-    def row_of(value: float | Array) -> np.ndarray:
+    def row_of(value: float | Array) -> Any:
         return (0.04 + 0.92 * (value - low) / (high - low)) * fine_height
 
     for level in (0.0, 1.0):

@@ -9,6 +9,10 @@ from .spectrum import NOISE, RANGES, WAVELENGTHS, Spectrum, SpectrumError
 
 __all__ = ["MOST", "Measurement", "is_per_cent", "plain_name", "spectra", "without_per_cent"]
 
+# Of what was measured: a fluorescent paint gives back, at some wavelengths, up to twice the light that falls there, and
+# one in per cent that stays below 2 would be blacker than soot.
+REFLECTANCE = (-NOISE, 2.0)
+
 LIMITS = (100.0, 5000.0)  # nm; whatever lies outside is no wavelength in nanometres
 MOST = 100_000  # spectra in a file
 _LONGEST = 200  # characters of a name
@@ -115,7 +119,7 @@ def _within(
     found: Measurement, wavelengths: np.ndarray, values: np.ndarray, kind: str, remarks: list[str]
 ) -> np.ndarray:
     """(n, m) values inside the range of their kind; a meter's noise below 0 is 0. Raises SpectrumError."""
-    least, high = RANGES[kind]
+    least, high = REFLECTANCE if kind == "reflectance" else RANGES[kind]
     low = -NOISE * np.abs(values).max(axis=0) if kind == "illuminant" else np.full(values.shape[1], least)
     outside = (values < low) | (values > high)
     if outside.any():

@@ -16,11 +16,10 @@ WAVELENGTHS.setflags(write=False)
 
 NOISE = 0.02  # how far below 0 a measurement may fall, of a perfect white or of a lamp's peak: a meter's dark noise
 _GREATEST = 1e30  # of a relative power; its sums and products with others stay far from what a float can hold
-# What a value of each kind may be. A fluorescent paint gives back, at some wavelengths, up to twice the light that
-# falls there, and one in per cent that stays below 2 would be blacker than soot; n and k of metals reach 10 and
-# 60 in the infrared; matching functions may be negative.
+# What a value of each kind may be. A designed reflectance may leave 0..1 ([BMD] section 4: metameric blacks); n and k
+# of metals reach 10 and 60 in the infrared; matching functions may be negative.
 RANGES = {
-    "reflectance": (-NOISE, 2.0),
+    "reflectance": (-1e3, 1e3),
     "illuminant": (-_GREATEST, _GREATEST),
     "refractive index": (0.0, 100.0),
     "extinction": (0.0, 100.0),

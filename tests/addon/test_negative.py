@@ -7,7 +7,7 @@ from test_palette import striped
 
 from relume.addon.graph import spectra
 from relume.addon.scene import render, setup
-from relume.core import Spectrum, palette, view
+from relume.core import Light, Spectrum, palette
 from relume.core.model import bases, upsample
 from relume.core.spectra import library
 from relume.core.spectra.spectrum import WAVELENGTHS
@@ -121,7 +121,7 @@ def test_a_light_below_0_is_what_recombination_makes_of_it(tmp_path):
     light = Spectrum(WAVELENGTHS, power - 1.3 * (WAVELENGTHS > 600), "no red", "illuminant")
     setup.set_up(scene, bases.fitted(12))
     image = render.render(scene, tmp_path).image
-    rgb = render.picture(image, dict.fromkeys(image.groups, view.Light(light)))
+    rgb = render.picture(image, dict.fromkeys(image.groups, Light(light)))
     shown = rgb.reshape(8, -1, 8, 3)[2:6, :, 2:6].mean(axis=(0, 2)) @ upsample.rgb_to_xyz().T
     truth = (light.sampled() * paint.sampled()) @ library.observer() / (light.sampled() @ library.observer()[:, 1])
     np.testing.assert_allclose(shown[0] / shown[1, 1], truth, atol=0.01)

@@ -11,7 +11,7 @@ from relume.addon.graph import spectra
 from relume.addon.scene import render, setup
 from relume.addon.store import palette as palettes
 from relume.addon.store import palette_tables
-from relume.core import palette, view
+from relume.core import Light, palette
 from relume.core.colour import differences
 from relume.core.model import bases, upsample
 from relume.core.spectra import library
@@ -74,7 +74,7 @@ def seen(scene, model, folder, lights, white_balance=0.0):
     image = render.render(scene, folder).image
     found = []
     for name in lights:
-        mix = {group: view.Light(library.illuminant(name)) for group in image.groups}
+        mix = {group: Light(library.illuminant(name)) for group in image.groups}
         rgb = render.picture(image, mix, white_balance)
         stripes = rgb.reshape(8, -1, 8, 3)[2:6, :, 2:6].mean(axis=(0, 2))
         xyz = stripes @ upsample.rgb_to_xyz().T
