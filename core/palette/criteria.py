@@ -40,10 +40,15 @@ class State:
         return colours.colour(self.lights, self.reflectances)
 
     def whites(self):
-        """XYZ (l, 3) of a white under each light; that of equal energy where the eye sees nothing of a light."""
+        """XYZ (l, 3) of the white that colours are compared under, in the chromaticity of each light.
+
+        Its Y is 1 whatever the luminance: a light that is designed would else grow until all errors look small. That
+        of equal energy where the eye sees nothing of a light.
+        """
         whites = self.lights @ colours.xyz_weights().T
         dark = whites[:, 1] <= 1e-9 * np.abs(whites).max(axis=1, initial=1e-300)
-        return np.where(dark[:, None] | (whites.min(axis=1) <= 0)[:, None], np.ones(3), whites)
+        whites[dark | (whites.min(axis=1) <= 0)] = 1.0
+        return whites / whites[:, 1:2]
 
 
 @dataclass(frozen=True, eq=False)
