@@ -13,7 +13,7 @@ from ..store import palette, palette_tables
 
 __all__ = ["CLASSES", "OfPalette", "register", "unregister"]
 
-EXAMPLES = Path(__file__).resolve().parents[1] / "assets/palettes"
+EXAMPLES = Path(__file__).resolve().parents[2] / "assets/palettes"
 
 
 class OfPalette:
