@@ -260,8 +260,8 @@ class LightGroup(PropertyGroup):
             return f"Daylight {self.cct:.0f} K"
         if self.source == "FILE":
             name, origin = bpy.path.basename(self.path), self.origin
-            # A file that was refused is not what shines
-            return origin if origin and not origin.startswith(name) else name or "No file yet"
+            # A file that was refused is not what shines; what was designed has no file
+            return origin if origin and origin != "designed" and not origin.startswith(name) else name or "No file yet"
         if self.source == "BLEND":
             return f"Blend of {len(self.blend)}"
         return self.illuminant

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import PaletteError
-from ..spectra.spectrum import WAVELENGTHS, Spectrum
+from ..spectra.spectrum import RANGES, WAVELENGTHS, Spectrum
 from . import colours
 from .criteria import State, system
 from .programme import minimum
@@ -77,8 +77,11 @@ def _made(entry, kind, index, state):
     """The entry with its spectrum found."""
     is_light = kind == "light"
     values = (state.lights if is_light else state.reflectances)[index]
-    spectrum = Spectrum(WAVELENGTHS, values, entry.name, "illuminant" if is_light else "reflectance", "designed")
     luminance = max(float(colours.xyz_weights()[1] @ values), 0.0) if is_light else entry.luminance
+    quantity = "illuminant" if is_light else "reflectance"
+    if np.abs(values).max() > RANGES[quantity][1]:
+        raise PaletteError(f"{kind} {entry.name!r} grows without end: give it bounds, or ask for more smoothness")
+    spectrum = Spectrum(WAVELENGTHS, values, entry.name, quantity, "designed")
     return replace(entry, spectrum=spectrum, luminance=luminance)
 
 

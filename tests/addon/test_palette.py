@@ -220,7 +220,7 @@ def test_files_that_are_no_spectra_for_a_palette(tmp_path):
     for text, kind, words in (
         ("400,0.1\n500,0.2\n600,0.3\n", "REFLECTANCE", "3 samples"),
         ("800,1\n900,1\n", "LIGHT", "no power"),
-        ("hello\n", "LIGHT", "no numbers"),
+        ("hello\n", "LIGHT", "does not begin with a wavelength"),
     ):
         path = tmp_path / "bad.csv"
         path.write_text(text)
