@@ -81,7 +81,7 @@ def by_qpsolvers(name):
         if name in qpsolvers.dense_solvers:
             squared = m.T @ m + 1e-12 * np.eye(size)
             return qpsolvers.solve_qp(squared, -m.T @ y, A=a, b=b, lb=lower, ub=upper, solver=name)
-        scale = programme.SCALES[0]
+        scale = programme.ATTEMPTS[0][0]
         cost = sparse.block_diag([1e-14 * sparse.eye(size), sparse.eye(count)]).tocsc()
         equal = sparse.bmat([[scale * sparse.csc_matrix(m), -sparse.eye(count)], [sparse.csc_matrix(a), None]]).tocsc()
         low = np.concatenate([lower, np.full(count, -np.inf)])

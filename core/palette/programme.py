@@ -11,9 +11,10 @@ __all__ = ["minimum", "unbounded"]
 
 # Weight of the length of what is found: among equal solutions the shortest. It must not outweigh the smoothness
 RIDGE, LEAST_RIDGE = 1e-6, 1e-9
-# Of all residuals, so that the solver's tolerances are finer than the smoothness. Now and then it stops early at one of
-# them: the other is tried where the error of the KKT conditions is more than ENOUGH
-SCALES, ENOUGH = (1e2, 1e3), 1e-7
+# Scale of all residuals, so that the solver's tolerances are finer than the smoothness, and least weight of the length.
+# Now and then it stops early with one pair: the next is tried where the error of the KKT conditions is above ENOUGH
+ATTEMPTS, ENOUGH = (*((scale, LEAST_RIDGE) for scale in (1e2, 1e3, 1e1)), (1e2, 1e-5), (1e1, 1e-4)), 1e-7
+FAIR = 1e-3  # ... and above this it is no solution
 SOFT = 1e3  # weight of free colours where nothing makes them equal
 INSIDE, HELD = 1e-12, 1e-7  # by how much bounds and hard equations may be missed
 
@@ -48,16 +49,38 @@ def minimum(equations, soften=False):
 def _within(equations):
     """The best that is found within the bounds -> {key: (n,)}, error of the KKT conditions; None for nothing."""
     best = None
-    for scale in SCALES:
-        found = _programme(equations, scale)
-        if found is None:
-            continue
-        error = _kkt(equations, *found)
-        if best is None or error < best[1]:
+    for scale, ridge in ATTEMPTS:
+        # Those that mind the length are for where nothing else has come to an end
+        if ridge > LEAST_RIDGE and best is not None:
+            break
+        found = _programme(equations, scale, ridge)
+        error = np.inf if found is None else _kkt(equations, *found)
+        if error < FAIR and (best is None or error < best[1]):
             best = found[0], error
         if error < ENOUGH:
             break
-    return best
+    return best if best is None else _polished(equations, *best)
+
+
+def _polished(equations, x, error):
+    """The same, where only free colours have bounds: once these are found, least squares finds the rest, and better.
+
+    A spectrum without bounds may go far in directions that cost next to nothing, before the programme minds.
+    """
+    bounded = [
+        key for key, (low, high) in equations.bounds.items() if np.isfinite(low).any() or np.isfinite(high).any()
+    ]
+    if not bounded or any(key[0] != "free" for key in bounded):
+        return x, error
+    known = {key: x[key] for key in x if key[0] == "free"}
+    blocks = []
+    for block in equations.blocks:
+        rest = tuple((key, matrix) for key, matrix in block.parts if key not in known)
+        right = block.right - sum((matrix @ known[key] for key, matrix in block.parts if key in known), 0.0)
+        blocks += [replace(block, parts=rest, right=right)] if rest else []
+    sizes = {key: size for key, size in equations.sizes.items() if key not in known}
+    better = known | unbounded(replace(equations, blocks=tuple(blocks), sizes=sizes))
+    return better, max(error, _kkt(equations, better, None))
 
 
 def _unmet(equations, x):
@@ -117,7 +140,7 @@ def unbounded(equations):
     return {key: known[place] for key, place in places.items()}
 
 
-def _programme(equations, scale):
+def _programme(equations, scale, ridge):
     """Minimise within bounds -> {key: (n,)}, multipliers of the hard blocks; None where those cannot hold."""
     import clarabel
     from scipy import sparse
@@ -140,7 +163,9 @@ def _programme(equations, scale):
         sparse.hstack([-sparse.eye(size), nothing]).tocsr()[below],
     ]
     ridges = _ridges(equations)
-    lengths = np.concatenate([np.full(size, (scale * ridges[key]) ** 2) for key, size in equations.sizes.items()])
+    lengths = np.concatenate(
+        [np.full(size, (scale * max(ridges[key], ridge)) ** 2) for key, size in equations.sizes.items()]
+    )
     cost = sparse.diags(np.concatenate([lengths, np.ones(count)])).tocsc()
     cones = [
         clarabel.ZeroConeT(count + values.size),

@@ -18,6 +18,7 @@ __all__ = ["Solution", "costs", "create", "start"]
 STEPS = 60  # most of them, of what is not convex
 # It has converged where no colour changes by more than this, or the squared residuals by no more than these
 SETTLED, COST_RELATIVE, COST_ABSOLUTE = 1e-6, 1e-4, 1e-9
+PATIENCE = 8  # steps without anything better, after which no more are taken
 TRIED = 4  # steps with each direction in which equal colours can be taken apart
 
 
@@ -114,9 +115,9 @@ def is_convex(palette, designed):
 
 
 def _descend(palette, state, designed, push, most):
-    """Solve, look where that leads, and solve again until nothing changes -> Solution."""
+    """Solve, look where that leads, and solve again until nothing changes -> Solution; the best where it goes on."""
     turns, convex = _turns(palette, designed), is_convex(palette, designed)
-    before, cost, slack = None, np.inf, {}
+    best, before, cost, slack = None, None, np.inf, {}
     for step in range(1, (2 if convex else most + 1)):
         kkt = 0.0
         for number, turn in enumerate(turns):
@@ -125,10 +126,16 @@ def _descend(palette, state, designed, push, most):
         former, cost = cost, sum(costs(palette, state).values())
         seen = state.colours()
         level = abs(former - cost) < COST_RELATIVE * cost + COST_ABSOLUTE
-        if convex or (before is not None and (level or np.abs(seen - before).max() < SETTLED)):
-            return Solution(palette, state, _free(state), convex, True, step, kkt, cost, _told(slack))
+        done = convex or (before is not None and (level or np.abs(seen - before).max() < SETTLED))
+        now = Solution(palette, state, _free(state), convex, done, step, kkt, cost, _told(slack))
+        if done:
+            return now
+        if best is None or cost < best.cost:
+            best = now
+        elif step > best.steps + PATIENCE:
+            break
         before = seen
-    return Solution(palette, state, _free(state), False, False, most, kkt, cost, _told(slack))
+    return best
 
 
 def _told(slack):

@@ -238,6 +238,13 @@ def test_free_colours_that_cannot_be_equal():
     assert any("cannot be equal" in remark for remark in palette.report(solution).remarks)
 
 
+def test_a_lamp_without_bounds_stays_within_reason():
+    """Only a free colour has bounds here, and what is given cannot have it: the programme has nothing to hold it."""
+    solution = palette.create(random_design(1220))
+    assert "'CES 29' under 'HP1'" in solution.slack[0]
+    assert np.abs(solution.state.lights[-1]).max() < 1e3
+
+
 ROW, LIGHT = Entry("paint", designed=True), LIGHTS[0]
 BAD = {
     "nothing is to be designed": lambda: palette.create(
