@@ -21,7 +21,7 @@ class Report:
     rows: once it is done, those of report.json.
     """
 
-    def __init__(self, blend: Path, folder: Path, percent: int, samples: int):
+    def __init__(self, blend: Path, folder: Path, percent: int, samples: int) -> None:
         self.folder, self.words, self.rows = folder, "starting", []
         self._passes, self._rendered, self._stopped = 0, 0, False
         options = ["--percent", str(percent), "--out", str(folder)]
@@ -47,16 +47,16 @@ class Report:
     def is_running(self) -> bool:
         return self._reader.is_alive()
 
-    def stop(self):
+    def stop(self) -> None:
         """End it; what is rendered stays in its folder, and the next report goes on from there."""
         self._stopped = True
         self._process.terminate()
 
-    def wait(self, seconds: float):
+    def wait(self, seconds: float) -> None:
         """Return when it is done, or after some seconds."""
         self._reader.join(seconds)
 
-    def _read(self):
+    def _read(self) -> None:
         """Follow what the second Blender tells, until it ends."""
         failure = ""
         with self._process.stdout as lines:
@@ -109,7 +109,7 @@ def start(blend: Path, folder: Path, percent: int, samples: int) -> Report:
     return _current
 
 
-def forget():
+def forget() -> None:
     """Stop what is under way."""
     global _current
     if _current is not None and _current.is_running:

@@ -16,7 +16,7 @@ from . import arguments
 __all__ = ["blender_command", "execute", "register", "unregister"]
 
 
-def _run(told: argparse.Namespace):
+def _run(told: argparse.Namespace) -> None:
     from ...studies import figures
     from ..scene import describe
     from . import demo, jobs, report
@@ -77,9 +77,9 @@ def blender_command(argv: list[str]) -> int:
 _registered = []
 
 
-def register():
+def register() -> None:
     _registered.append(bpy.utils.register_cli_command("relume", blender_command))
 
 
-def unregister():
+def unregister() -> None:
     bpy.utils.unregister_cli_command(_registered.pop())

@@ -1,11 +1,12 @@
 """What the commands do: render a scene into files, relight a file."""
 
+import argparse
 import hashlib
 import json
 import os
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
@@ -13,10 +14,12 @@ from itertools import islice
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
 from ...core.picture import coefficients, description, sequences
+from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
 from ...core.spectra import library
 from ..host import console, denoising
@@ -28,7 +31,7 @@ __all__ = ["describe_scene", "file_name", "relight_file", "render_scene"]
 _LONGEST = 100  # bytes of a name within a file's; file systems end at 255
 
 
-def _prepare(scene, channels: str | None, samples: int | None):
+def _prepare(scene, channels: str | None, samples: int | None) -> None:
     if samples is not None:
         scene.cycles.samples = samples
     settings = scene.relume
@@ -64,7 +67,7 @@ def file_name(text: str) -> str:
     return f"{short}-{hashlib.sha1(name.encode()).hexdigest()[:8]}"
 
 
-def render_scene(scene, told):
+def render_scene(scene, told: argparse.Namespace) -> None:
     """`relume render`: for each frame the coefficient EXR and a picture for each illuminant; then summary.json."""
     if told.out.suffix.lower() in render.FORMATS and not told.out.is_dir():
         raise UsageError(f"{told.out}: expected a folder; the scene and the illuminants name the pictures")
@@ -82,7 +85,7 @@ def render_scene(scene, told):
         console.wrote(folder / "summary.json")
 
 
-def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool):
+def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool) -> None:
     """Render a frame, unless it is there or another process is at it and both may be left as they are."""
     scene.frame_set(frame)
     exr = folder / f"{name}.exr"
@@ -92,7 +95,7 @@ def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, r
     for path in (exr, *pictures.values(), folder / "summary.json"):
         results.expect(path)
 
-    def wait():
+    def wait() -> None:
         console.say(f"{exr}: another process renders this frame; waiting for it to end")
 
     with results.claim(exr, None if resume else wait) as claimed:
@@ -108,7 +111,7 @@ def _own_mix(scene) -> str:
     return "+".join(dict.fromkeys(row.label for row in scene.relume.lit))
 
 
-def _is_whole(scene, exr: Path, pictures) -> bool:
+def _is_whole(scene, exr: Path, pictures: Iterable[Path]) -> bool:
     """Whether a frame is there, newer than the .blend, of as many channels as asked for, and can be read."""
     blend = Path(bpy.data.filepath)
     if not all(_is_newer(path, blend) for path in (exr, *pictures)):
@@ -122,7 +125,7 @@ def _is_whole(scene, exr: Path, pictures) -> bool:
         return False
 
 
-def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int):
+def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int) -> None:
     """Render the current frame; names: {illuminant: its picture}. All files appear at the end, or none."""
     progress = console.Progress(scene.relume.model().passes, f"rendering {exr.stem}")
     denoises = scene.cycles.use_denoising and denoising.available()
@@ -184,7 +187,7 @@ def _noted(path: Path) -> list[dict]:
     raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
 
 
-def _lights_of(image, chosen: list[str]) -> dict[str, Light]:
+def _lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
     """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
     lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
     for text in chosen:
@@ -201,7 +204,7 @@ def _lights_of(image, chosen: list[str]) -> dict[str, Light]:
     return lights
 
 
-def relight_file(told):
+def relight_file(told: argparse.Namespace) -> None:
     """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
     if told.out.suffix.lower() not in render.FORMATS:
         raise UsageError(f"{told.out}: a picture's name ends in {', '.join(render.FORMATS)}")
@@ -228,7 +231,7 @@ def relight_file(told):
                 )
 
 
-def _check_apart(sources: dict[Path, Path]):
+def _check_apart(sources: dict[Path, Path]) -> None:
     """Raise UsageError where a picture would take the place of coefficients, by whatever name or link."""
     taken = {_identity(source) for source in sources.values()} - {None}
     for out in sources:
@@ -244,7 +247,7 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
-def _remark(source: Path, told):
+def _remark(source: Path, told: argparse.Namespace) -> None:
     """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
     if coefficients.is_own(source):
         return
@@ -256,7 +259,7 @@ def _remark(source: Path, told):
         console.say("the mix is animated; took that of the frame at which the scene was saved")
 
 
-def describe_scene(out: Path | None):
+def describe_scene(out: Path | None) -> None:
     """`relume describe`: a sidecar for what other Blenders render of the open file."""
     described = describe.of_open_file()
     out = out or Path(f"{Path(bpy.data.filepath).stem or 'untitled'}{description.SUFFIX}")
@@ -278,10 +281,10 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
-def _relit(waiting: dict[Path, Path], told) -> Iterator:
+def _relit(waiting: dict[Path, Path], told: argparse.Namespace) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
-    def relit(item):
+    def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
         image = coefficients.read(source, told.described, told.layer)
         return out, image, render.picture(image, _lights_of(image, told.light), told.white)

@@ -5,6 +5,7 @@ an input that is missing here.
 """
 
 import os
+from collections.abc import Collection
 from enum import StrEnum
 
 import bpy
@@ -214,7 +215,7 @@ def bounds_of(socket) -> Bounds:
     return Bounds.POSITIVE
 
 
-def in_use(socket, animated=()) -> bool:
+def in_use(socket, animated: Collection[str] = ()) -> bool:
     """Whether a spectral input can be seen: not where the weight that goes with it is zero, nor where it emits black.
 
     animated: paths of the values of this tree that are animated or driven.
@@ -227,12 +228,12 @@ def in_use(socket, animated=()) -> bool:
     return any(socket.default_value[:3])
 
 
-def is_animated(socket, animated) -> bool:
+def is_animated(socket, animated: Collection[str]) -> bool:
     """Whether the value of an input is among the animated paths."""
     return bool(animated) and socket.path_from_id("default_value") in animated
 
 
-def _can_differ_from(socket, value: float, animated) -> bool:
+def _can_differ_from(socket, value: float, animated: Collection[str]) -> bool:
     return socket.is_linked or socket.default_value != value or is_animated(socket, animated)
 
 

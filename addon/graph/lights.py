@@ -5,6 +5,7 @@ group is of one temperature, the group starts with that illuminant; otherwise ea
 relative to the D65 of its group.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -123,7 +124,7 @@ class Lamp:
     glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
-def take_colors(lights) -> tuple[dict, list[Remark]]:
+def take_colors(lights: Iterable) -> tuple[dict, list[Remark]]:
     """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
     lamps, remarks = {}, []
     for light in lights:
@@ -139,7 +140,7 @@ def take_colors(lights) -> tuple[dict, list[Remark]]:
     return lamps, remarks
 
 
-def colors_of(lights) -> dict:
+def colors_of(lights: Iterable) -> dict:
     """{light: Lamp} of the lamps whose colours `take_colors` takes, whether or not it has."""
     return {light: _color_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
 
@@ -189,7 +190,7 @@ def _color_of(light) -> Lamp:
     return Lamp(tuple(light.color))
 
 
-def restore(light):
+def restore(light) -> None:
     """Give a lamp back the colour that `take_colors` took."""
     if _MOVED in light:
         animation.move(light, light[_MOVED], "color")
@@ -205,7 +206,7 @@ def restore(light):
     del light[_BEFORE]
 
 
-def local_lights():
+def local_lights() -> list:
     return [light for light in bpy.data.lights if light.library is None]
 
 
@@ -226,7 +227,7 @@ def group_of(shading, groups: list[str]) -> str:
     return shading.light_group if shading.light_group in groups else groups[-1]
 
 
-def _temperatures_in(shading, lamp: Lamp | None):
+def _temperatures_in(shading, lamp: Lamp | None) -> Iterator[float | None]:
     """Kelvin of each emission of a tree; None for what is no black body."""
     for node in shading.tree.nodes:
         for socket in spectral_sockets(node):
@@ -246,7 +247,7 @@ def first_illuminant(temperatures: dict[str, float], group: str) -> str:
 class Lighting:
     """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
 
-    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list):
+    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list) -> None:
         self.model, self.groups, self.lamps = model, groups, lamps
         self.temperatures = temperatures_of(groups, lamps, shadings)
 
@@ -257,7 +258,7 @@ class Lighting:
         coefficients = self.model.emission(spectrum, library.illuminant(reference))
         return node_groups.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
 
-    def convert(self, conversion, shading, socket):
+    def convert(self, conversion, shading, socket) -> None:
         """Put the light of its light group in front of a socket that sends out light."""
         name = group_of(shading, self.groups)
         spectral = conversion.carries_spectrum(socket)
@@ -280,7 +281,7 @@ class Lighting:
         if animation.move(shading.owner, "color", path):
             shading.owner[_MOVED] = path
 
-    def _remark_on_color(self, conversion, shading, light, lamp: Lamp | None):
+    def _remark_on_color(self, conversion, shading, light, lamp: Lamp | None) -> None:
         """Tell of light whose colour, as far as it is known, makes of coloured surfaces what RGB does not."""
         color = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
         color *= lamp.tint if lamp else 1.0

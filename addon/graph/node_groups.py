@@ -35,7 +35,7 @@ __all__ = [
 _LIGHT = "relume_light"  # on a Light group: the number of its light group
 
 
-def _shared_tree(name: str, role_name: str):
+def _shared_tree(name: str, role_name: str) -> tuple[bpy.types.NodeTree, bool]:
     """The one local group of this file with that role and name, made when there is none; and whether it is new."""
     for tree in bpy.data.node_groups:
         if tree.get(nodes.ROLE) == role_name and tree.get("relume_name") == name and tree.library is None:
@@ -143,7 +143,7 @@ def light_group(index: int, channels: int, spectral: bool = False):
     return tree
 
 
-def set_spectral(node, channels: int, spectral: bool):
+def set_spectral(node, channels: int, spectral: bool) -> None:
     """Tell an inserted node of a *Light* group whether its Color comes from a spectrum."""
     node.node_tree = light_group(node.node_tree[_LIGHT], channels, spectral)
     node.label = node.node_tree.name
@@ -204,7 +204,7 @@ def _column_name(group: int, channel: int) -> str:
     return f"matrix {group} column {channel}"
 
 
-def write_recombination(tree, matrices: np.ndarray):
+def write_recombination(tree, matrices: np.ndarray) -> None:
     """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them are let alone."""
     changed = []
     for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):

@@ -17,7 +17,7 @@ class Wiring:
     Blender looks through all links of a tree to find those of one socket: here that is done once for each tree.
     """
 
-    def __init__(self, trees):
+    def __init__(self, trees) -> None:
         self.trees = dict.fromkeys(trees)
         self._incoming = {}
 
@@ -25,7 +25,7 @@ class Wiring:
         """The link that comes into a socket, muted or not; None if there is none."""
         return self._links_of(socket.id_data).get(socket)
 
-    def note(self, link):
+    def note(self, link) -> None:
         """Take note of a new link."""
         self._links_of(link.id_data)[link.to_socket] = link
 

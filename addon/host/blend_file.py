@@ -49,7 +49,7 @@ def open_scene(path: Path, remarks: bool = True):
     loaded = []
 
     @bpy.app.handlers.persistent
-    def note(*_):
+    def note(*_) -> None:
         loaded.append(True)
 
     bpy.app.handlers.load_post.append(note)

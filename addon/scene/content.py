@@ -54,7 +54,7 @@ def content_of(scene) -> plan.Content:
     )
 
 
-def _parts(scene, found, lamps: dict, kelvin: dict):
+def _parts(scene, found: inventory.Inventory, lamps: dict, kelvin: dict):
     """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
     seen = _shares(scene, found)
     for owner, share in seen.items():
@@ -98,7 +98,7 @@ def _choices(switching: str) -> list:
     return [library.illuminant(name) for name in _COMMON] if switching == "COMMON" else []
 
 
-def _shares(scene, found) -> Counter:
+def _shares(scene, found: inventory.Inventory) -> Counter:
     """How many of a grid of camera rays hit each material, or the world (None: no material); each used material at
     least a little, for it lights what is seen."""
     shares = Counter()
@@ -114,7 +114,7 @@ def _shares(scene, found) -> Counter:
     return shares
 
 
-def _materials_at(found, thing, face: int, matrix) -> list:
+def _materials_at(found: inventory.Inventory, thing, face: int, matrix) -> list:
     """The material of a face of an evaluated object; where Geometry Nodes made an instance of it, all that they may
     have given it."""
     slots = [slot.material and slot.material.original for slot in thing.material_slots]

@@ -4,7 +4,7 @@ import bpy
 
 from ...core.errors import SetupError
 from ..graph import lights
-from ..host import animation, denoising
+from ..host import animation, denoising, inventory
 from ..store.remarks import Remark
 from . import rows
 
@@ -17,7 +17,7 @@ _MISSING = "its library {} cannot be found: nothing of it is rendered"
 _BARE = "no object is in this view layer: its collections are excluded, or hidden in renders"
 
 
-def check(scene):
+def check(scene) -> None:
     """Raises SetupError where a scene cannot be rendered, with one sentence that says why."""
     camera = scene.camera
     if scene.library is not None:
@@ -36,7 +36,7 @@ def check(scene):
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
 
 
-def remarks_on(scene, found) -> list[Remark]:
+def remarks_on(scene, found: inventory.Inventory) -> list[Remark]:
     """What a scene whose inventory is `found` goes without."""
     told = []
     if scene.cycles.use_denoising and not denoising.available():
@@ -54,7 +54,7 @@ def remarks_on(scene, found) -> list[Remark]:
     return told + [Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
 
 
-def _embedded(blocks):
+def _embedded(blocks) -> list:
     """The node trees that are no data-blocks of their own."""
     trees = (getattr(block, "node_tree", None) for block in blocks)
     return [tree for tree in trees if isinstance(tree, bpy.types.NodeTree) and tree.is_embedded_data]

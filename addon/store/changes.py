@@ -12,17 +12,17 @@ WIPE = "wipe"  # (scene, position): where a comparison is divided
 _followers: dict[str, Callable] = {}
 
 
-def follow(change: str, function: Callable):
+def follow(change: str, function: Callable) -> None:
     """From now on `function` is called at each change of that kind, with what is said of it above."""
     _followers[change] = function
 
 
-def forget():
+def forget() -> None:
     """From now on nobody follows."""
     _followers.clear()
 
 
-def tell(change: str, *about):
+def tell(change: str, *about) -> object:
     """Call who follows that change, and return what it returns; None where nobody does."""
     follower = _followers.get(change)
     return follower(*about) if follower else None

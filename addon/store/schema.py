@@ -14,12 +14,12 @@ VERSION = 2
 _VERSION = "relume_version"  # on a scene that is set up
 
 
-def note(scene):
+def note(scene) -> None:
     """Note in a scene that what it carries is of this version."""
     scene[_VERSION] = VERSION
 
 
-def check(scene):
+def check(scene) -> None:
     """Raises SetupError where a newer Relume set the scene up: what it left there is not known here."""
     version = scene.get(_VERSION, 1)
     if version > VERSION:
@@ -29,7 +29,7 @@ def check(scene):
         )
 
 
-def clear(scene):
+def clear(scene) -> None:
     if _VERSION in scene:
         del scene[_VERSION]
 

@@ -3,11 +3,14 @@
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06.
 """
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from ...core.picture import mixing
+from ...core.picture import drawing, mixing
+from ...core.spectra import library
 from ..store import mixer
 from . import overlay
 from .mixer_operators import NeedsSetUp
@@ -30,7 +33,7 @@ class LightDial(NeedsSetUp, Operator):
     def _row(self, context):
         return context.scene.relume.light_groups[self.group]
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         row = self._row(context)
         if len(row.blend) < 2:
             self.report({"ERROR"}, "the light dial needs two illuminants or more in the blend")
@@ -42,8 +45,6 @@ class LightDial(NeedsSetUp, Operator):
         self.area, self.region = area, next(r for r in area.regions if r.type == "WINDOW")
         self.before = [part.weight for part in row.blend]
         self.dragging = False
-        from ...core.picture import drawing
-        from ...core.spectra import library
 
         self.colors = [tuple(drawing.swatch(library.illuminant(part.illuminant)).tolist()) for part in row.blend]
         self.names = [part.illuminant for part in row.blend]
@@ -55,7 +56,7 @@ class LightDial(NeedsSetUp, Operator):
         area.tag_redraw()
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
+    def modal(self, context, event) -> set[str]:
         self.area.tag_redraw()
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
             self._set(context, self.before)
@@ -70,14 +71,14 @@ class LightDial(NeedsSetUp, Operator):
             self._set(context, mixing.weights(self._on_disc(event), len(self.before)).tolist())
         return {"RUNNING_MODAL"}
 
-    def _set(self, context, weights):
+    def _set(self, context, weights: Sequence[float]) -> None:
         row = self._row(context)
         with mixer.quiet():
             for part, weight in zip(row.blend, weights, strict=True):
                 part.weight = weight
         mixer.mix_changed(row, context)
 
-    def _end(self, context, result):
+    def _end(self, context, result: set[str]) -> set[str]:
         self.space.draw_handler_remove(self.handle, "WINDOW")
         context.workspace.status_text_set(None)
         self.area.tag_redraw()
@@ -88,7 +89,7 @@ class LightDial(NeedsSetUp, Operator):
         radius = _RADIUS * scale
         return (radius + _MARGIN * scale, radius + _MARGIN * scale), radius, scale
 
-    def _on_disc(self, event):
+    def _on_disc(self, event) -> tuple[float, float]:
         (x, y), radius, _ = self._geometry()
         return (event.mouse_x - self.region.x - x) / radius, (event.mouse_y - self.region.y - y) / radius
 
@@ -96,7 +97,7 @@ class LightDial(NeedsSetUp, Operator):
         x, y = self._on_disc(event)
         return max(abs(x), abs(y)) < 1.4
 
-    def _draw(self, scene):
+    def _draw(self, scene) -> None:
         if bpy.context.region != self.region:
             return
         weights = [part.weight for part in scene.relume.light_groups[self.group].blend]

@@ -2,6 +2,9 @@
 
 import bpy
 import bpy.utils.previews
+import numpy as np
+
+from ...core.picture import drawing
 
 __all__ = ["register", "swatch_and_curve", "unregister"]
 
@@ -9,13 +12,11 @@ __all__ = ["register", "swatch_and_curve", "unregister"]
 _previews = None
 
 
-def swatch_and_curve(curve, swatch) -> int:
+def swatch_and_curve(curve: np.ndarray, swatch: np.ndarray) -> int:
     """The icon of an illuminant, of its curve (81,) and swatch (3,): a small picture, and a large plot of the curve.
 
     0 in a Blender without a window.
     """
-    from ...core.picture import drawing
-
     if _previews is None or len(curve) == 0:
         return 0
     key = f"{tuple(round(value, 3) for value in curve)} {tuple(round(value, 3) for value in swatch)}"
@@ -29,12 +30,12 @@ def swatch_and_curve(curve, swatch) -> int:
     return _previews[key].icon_id
 
 
-def register():
+def register() -> None:
     global _previews
     _previews = bpy.utils.previews.new()
 
 
-def unregister():
+def unregister() -> None:
     global _previews
     bpy.utils.previews.remove(_previews)
     _previews = None

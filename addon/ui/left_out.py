@@ -49,10 +49,10 @@ def _key(scene) -> tuple:
     return scene.session_uid, scene.name, *settings.plan.values(), len(settings.light_groups), *size
 
 
-def _soon(key: tuple, name: str):
+def _soon(key: tuple, name: str) -> None:
     """Work it out after Blender has drawn; a panel may compute nothing."""
 
-    def work():
+    def work() -> None:
         scene = bpy.data.scenes.get(name)
         _known.clear()
         if scene is not None and scene.relume.is_set_up:
@@ -70,10 +70,10 @@ class _LeftOut:
     bl_order = 100
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         return context.scene.relume.is_set_up and bool(context.scene.relume.plan.get("reason"))
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         settings = context.scene.relume
         if context.scene.cycles.use_denoising and settings.model().passes > 1:
             self.layout.prop(settings, "denoise_passes")

@@ -1,5 +1,7 @@
 """Drawing over a region of the window: discs, rectangles, curves and words, in pixels."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...core.picture import drawing
@@ -7,9 +9,10 @@ from ...core.picture import drawing
 __all__ = ["disc", "line", "rectangle", "spectrum", "text"]
 
 _DARK = (0.12, 0.12, 0.12, 0.85)
+_WHITE = (1.0, 1.0, 1.0, 1.0)
 
 
-def _draw(kind: str, places, color, indices=None):
+def _draw(kind: str, places: Sequence, color: tuple[float, ...], indices: Sequence | None = None) -> None:
     import gpu
     from gpu_extras.batch import batch_for_shader
 
@@ -21,20 +24,20 @@ def _draw(kind: str, places, color, indices=None):
     gpu.state.blend_set("NONE")
 
 
-def disc(center, radius: float, color):
+def disc(center: tuple[float, float], radius: float, color: tuple[float, ...]) -> None:
     """A filled disc."""
     places = drawing.circle(48) * radius + center
     _draw("TRIS", places.tolist(), color, [(0, i, i + 1) for i in range(1, 47)])
 
 
-def rectangle(left: float, bottom: float, width: float, height: float, color=_DARK):
+def rectangle(left: float, bottom: float, width: float, height: float, color: tuple[float, ...] = _DARK) -> None:
     """A filled rectangle, dark unless a colour is given."""
     right, top = left + width, bottom + height
     places = [(left, bottom), (right, bottom), (right, top), (left, top)]
     _draw("TRIS", places, color, [(0, 1, 2), (0, 2, 3)])
 
 
-def spectrum(values, left: float, bottom: float, width: float, height: float):
+def spectrum(values: Sequence[float], left: float, bottom: float, width: float, height: float) -> None:
     """The area under a curve of 81 values, in the colours of its light."""
     import gpu
     from gpu_extras.batch import batch_for_shader
@@ -46,18 +49,18 @@ def spectrum(values, left: float, bottom: float, width: float, height: float):
     batch.draw(shader)
 
 
-def line(values, left: float, bottom: float, width: float, height: float, color=(1.0, 1.0, 1.0, 1.0)):
-    """A curve of 81 values."""
+def line(values: Sequence[float], left: float, bottom: float, width: float, height: float, color=_WHITE) -> None:
+    """A curve of 81 values, white unless a colour is given."""
     places, _ = drawing.ribbon(values)
     _draw("LINE_STRIP", (places[1::2] * np.array([width, height]) + np.array([left, bottom])).tolist(), color)
 
 
-def text(words: str, x: float, y: float, scale: float, centered: bool = False):
+def text(words: str, x: float, y: float, scale: float, centered: bool = False) -> None:
     """Words in white, from `x` or around it."""
     import blf
 
     blf.size(0, 11 * scale)
-    blf.color(0, 1.0, 1.0, 1.0, 1.0)
+    blf.color(0, *_WHITE)
     width, _ = blf.dimensions(0, words)
     blf.position(0, x - width / 2 if centered else x, y, 0)
     blf.draw(0, words)
