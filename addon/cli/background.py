@@ -57,20 +57,20 @@ class Report:
         self._reader.join(seconds)
 
     def _read(self) -> None:
-        """Follow what the second Blender tells, until it ends."""
+        """Follow what the second Blender reports, until it ends."""
         failure = ""
         with self._process.stdout as lines:
-            for told in map(_event, lines):
-                kind = told.get("event")
+            for said in map(_event, lines):
+                kind = said.get("event")
                 if kind == "passes":
-                    self._passes = told["number"]
+                    self._passes = said["number"]
                 elif kind == "pass":
                     self._rendered += 1
-                    self.words = told["words"]
+                    self.words = said["words"]
                 elif kind == "failed":
-                    failure = told["words"]
+                    failure = said["words"]
                 elif kind == "rows":
-                    self.rows = told["rows"]
+                    self.rows = said["rows"]
         status = self._process.wait()
         if self._stopped:
             self.words = "stopped; the next report goes on from here"
@@ -82,12 +82,12 @@ class Report:
 
 
 def _event(line: str) -> dict:
-    """What `console.event` told in a line; empty for one that Blender printed by itself, before or besides."""
+    """What `console.event` wrote in a line; empty for one that Blender printed by itself, before or besides."""
     try:
-        told = json.loads(line)
+        said = json.loads(line)
     except ValueError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return said if isinstance(said, dict) else {}
 
 
 def _command(blend: Path, options: list[str]) -> list[str]:

@@ -67,21 +67,21 @@ def file_name(text: str) -> str:
     return f"{short}-{hashlib.sha1(name.encode()).hexdigest()[:8]}"
 
 
-def render_scene(scene, told: argparse.Namespace) -> None:
+def render_scene(scene, options: argparse.Namespace) -> None:
     """`relume render`: for each frame the coefficient EXR and a picture for each illuminant; then summary.json."""
-    if told.out.suffix.lower() in render.FORMATS and not told.out.is_dir():
-        raise UsageError(f"{told.out}: expected a folder; the scene and the illuminants name the pictures")
-    _prepare(scene, told.channels, told.samples)
-    plain = _choose_illuminants(scene, told.illuminant)
+    if options.out.suffix.lower() in render.FORMATS and not options.out.is_dir():
+        raise UsageError(f"{options.out}: expected a folder; the scene and the illuminants name the pictures")
+    _prepare(scene, options.channels, options.samples)
+    plain = _choose_illuminants(scene, options.illuminant)
     stem = Path(bpy.data.filepath).stem or "untitled"
     if scene.relume.plan.get("reason"):
         console.say(scene.relume.plan["reason"])
     if scene.cycles.use_denoising and not denoising.available():
         console.say("this Blender has no denoiser; the pictures keep their noise")
-    with results.folder(told.out) as folder:
-        for frame in [scene.frame_current] if told.frame is None else told.frame:
-            name = stem if told.frame is None else f"{stem}_{frame:04d}"
-            _claim_frame(scene, folder, name, plain, frame, told.resume)
+    with results.folder(options.out) as folder:
+        for frame in [scene.frame_current] if options.frame is None else options.frame:
+            name = stem if options.frame is None else f"{stem}_{frame:04d}"
+            _claim_frame(scene, folder, name, plain, frame, options.resume)
         console.wrote(folder / "summary.json")
 
 
@@ -204,24 +204,24 @@ def _lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
     return lights
 
 
-def relight_file(told: argparse.Namespace) -> None:
+def relight_file(options: argparse.Namespace) -> None:
     """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
-    if told.out.suffix.lower() not in render.FORMATS:
-        raise UsageError(f"{told.out}: a picture's name ends in {', '.join(render.FORMATS)}")
-    sources = _sources(told.coefficients, told.out)
+    if options.out.suffix.lower() not in render.FORMATS:
+        raise UsageError(f"{options.out}: a picture's name ends in {', '.join(render.FORMATS)}")
+    sources = _sources(options.coefficients, options.out)
     _check_apart(sources)
-    waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
-    found = coefficients.describe_all(waiting.values(), told.described, told.layer)
+    waiting = {out: source for out, source in sources.items() if not (options.resume and _is_newer(out, source))}
+    found = coefficients.describe_all(waiting.values(), options.described, options.layer)
     for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
-        _lights_of(image, told.light)
-        if told.out.suffix.lower() != ".exr":
+        _lights_of(image, options.light)
+        if options.out.suffix.lower() != ".exr":
             render.check_view(source, image)
     if waiting:
-        _remark(next(iter(waiting.values())), told)
-    with results.folder(told.out.parent):
+        _remark(next(iter(waiting.values())), options)
+    with results.folder(options.out.parent):
         for out in waiting:
             results.expect(out)
-        for number, (out, image, rgb) in enumerate(_relit(waiting, told), 1):
+        for number, (out, image, rgb) in enumerate(_relit(waiting, options), 1):
             render.save_picture(out, rgb, image)
             console.wrote(out)
             if len(sources) > 1:
@@ -247,13 +247,13 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
-def _remark(source: Path, told: argparse.Namespace) -> None:
+def _remark(source: Path, options: argparse.Namespace) -> None:
     """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
     if coefficients.is_own(source):
         return
-    found = description.of_file(source, told.described)
+    found = description.of_file(source, options.described)
     first, *others = found.layers
-    if others and told.layer is None:
+    if others and options.layer is None:
         console.say(f"took view layer {first!r}; --layer takes {', '.join(map(repr, others))}")
     if found.animated:
         console.say("the mix is animated; took that of the frame at which the scene was saved")
@@ -281,13 +281,13 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
-def _relit(waiting: dict[Path, Path], told: argparse.Namespace) -> Iterator:
+def _relit(waiting: dict[Path, Path], options: argparse.Namespace) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
     def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
-        image = coefficients.read(source, told.described, told.layer)
-        return out, image, render.picture(image, _lights_of(image, told.light), told.white)
+        image = coefficients.read(source, options.described, options.layer)
+        return out, image, render.picture(image, _lights_of(image, options.light), options.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

@@ -64,30 +64,30 @@ class Row:
     megabytes: float
 
 
-def run(told: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> None:
     """Render the scene of the file that is open with every model asked for; write the report and print its paths."""
     blend = Path(bpy.data.filepath)
     if not blend.name:
         raise UsageError("save the scene first: a report opens its file once for each model")
 
     def wait() -> None:
-        console.say(f"{told.out}: another process makes a report there; waiting for it to end")
+        console.say(f"{options.out}: another process makes a report there; waiting for it to end")
 
     with (
-        results.folder(told.out) as folder,
+        results.folder(options.out) as folder,
         results.claim(folder / "report.json", wait),
         results.folder(folder / "renders") as renders,
     ):
-        _report(blend, folder, renders, told)
+        _report(blend, folder, renders, options)
 
 
-def _report(blend: Path, folder: Path, renders: Path, told: argparse.Namespace) -> None:
-    key = _key(blend, told)
-    scene = _open(blend, told)
+def _report(blend: Path, folder: Path, renders: Path, options: argparse.Namespace) -> None:
+    key = _key(blend, options)
+    scene = _open(blend, options)
     chosen = plan.choose(content.content_of(scene), scene.relume.tolerance)
-    models = _models(scene, told, chosen.model)
+    models = _models(scene, options, chosen.model)
     models[_REFERENCE] = bases.bands()
-    takes = _Takes(blend, told, renders, key)
+    takes = _Takes(blend, options, renders, key)
     passes = takes.waiting(models)
     console.event("passes", number=passes) or console.say(f"{passes} passes to render")
     reference = takes.comparable(_REFERENCE, models[_REFERENCE])
@@ -98,39 +98,39 @@ def _report(blend: Path, folder: Path, renders: Path, told: argparse.Namespace) 
     _write(folder, blend, rows, chosen, pictures, takes.lights())
 
 
-def _key(blend: Path, told: argparse.Namespace) -> str:
+def _key(blend: Path, options: argparse.Namespace) -> str:
     """Changes with the file and with all that a render depends on."""
-    settings = [blend.read_bytes(), str((told.samples, told.percent, told.frame)).encode()]
+    settings = [blend.read_bytes(), str((options.samples, options.percent, options.frame)).encode()]
     return hashlib.sha256(b"".join(settings)).hexdigest()
 
 
-def _open(blend: Path, told: argparse.Namespace):
+def _open(blend: Path, options: argparse.Namespace):
     scene = open_scene(blend, remarks=False)  # they were made when it was opened first
     if scene.relume.is_set_up:
         setup.remove(scene)
-    if told.samples:
-        scene.cycles.samples = told.samples
-    if told.percent:
-        scene.render.resolution_percentage = told.percent
-    if told.frame is not None:
-        scene.frame_set(told.frame)
+    if options.samples:
+        scene.cycles.samples = options.samples
+    if options.percent:
+        scene.render.resolution_percentage = options.percent
+    if options.frame is not None:
+        scene.frame_set(options.frame)
     return scene
 
 
-def _models(scene, told: argparse.Namespace, chosen: FactorModel) -> dict:
+def _models(scene, options: argparse.Namespace, chosen: FactorModel) -> dict:
     """{name: model} in the order of their passes; the planner's choice is among them."""
     lights = content.content_of(scene).lights
     made = {}
-    if "rgb" in told.models:
+    if "rgb" in options.models:
         made["RGB"] = bases.rgb()
-    if "prefiltered" in told.models:
+    if "prefiltered" in options.models:
         made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
-    for channels in told.channels:
-        if "fitted" in told.models:
+    for channels in options.channels:
+        if "fitted" in options.models:
             made[f"{channels} channels"] = bases.fitted(channels)
-        if "block" in told.models:
+        if "block" in options.models:
             made[f"block, {channels}"] = bases.block(channels)
-        if "sharpened" in told.models:
+        if "sharpened" in options.models:
             made[f"sharpened, {channels}"] = bases.sharpened(channels)
     made["automatic"] = chosen
     return dict(sorted(made.items(), key=lambda item: item[1].passes))
@@ -139,8 +139,8 @@ def _models(scene, told: argparse.Namespace, chosen: FactorModel) -> dict:
 class _Takes:
     """Renders of one scene, kept in a folder under the key of what they depend on."""
 
-    def __init__(self, blend: Path, told: argparse.Namespace, folder: Path, key: str) -> None:
-        self.blend, self.told, self.folder, self.key = blend, told, folder, key
+    def __init__(self, blend: Path, options: argparse.Namespace, folder: Path, key: str) -> None:
+        self.blend, self.options, self.folder, self.key = blend, options, folder, key
 
     def lights(self) -> dict[str, Light]:
         """What shines in each light group of the scene that was rendered last."""
@@ -158,13 +158,13 @@ class _Takes:
         """The scene without differences of noise: one seed, no path ended by a channel's own brightness."""
         kept = self._kept_image(name, model)
         if kept is None:
-            scene = _open(self.blend, self.told)
+            scene = _open(self.blend, self.options)
             render_settings.compare(scene)
             image, _ = self._render(scene, name, model)
             coefficients.write(self._path(name, model, "exr"), image, render.picture(image, self.lights()))
             return self._kept_image(name, model)
         if not bpy.context.scene.relume.is_set_up:
-            setup.set_up(_open(self.blend, self.told), model)
+            setup.set_up(_open(self.blend, self.options), model)
         return kept
 
     def _kept_image(self, name: str, model: FactorModel) -> coefficients.CoefficientImage | None:
@@ -221,7 +221,7 @@ class _Takes:
         return row
 
     def _as_an_artist(self, name: str, model: FactorModel, seed: int) -> tuple[CoefficientImage, dict[str, float]]:
-        scene = _open(self.blend, self.told)
+        scene = _open(self.blend, self.options)
         scene.relume.same_seed, scene.relume.split_samples = False, True
         scene.cycles.seed = 1000 * seed
         return self._render(scene, name, model)
@@ -250,7 +250,7 @@ def _discard(path: Path, error: Exception) -> None:
 
 
 def _megabytes() -> float:
-    """Memory of this process now, where the system tells."""
+    """Memory of this process now, where the system says."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20

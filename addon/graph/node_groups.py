@@ -12,7 +12,8 @@ In shaders:
 In the compositor:
 - *Recombination* sums matrices times coefficient passes.
 
-A group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
+A group that Relume made says what it is in custom properties: its `ROLE` and, where a file has several of one role, which
+of them. So artists may rename groups. Inside a *Recombination*, the nodes that hold matrices are found by their names.
 """
 
 import bpy
@@ -103,9 +104,9 @@ def _held(tree, column: int, vector, operation: str, limit: float):
     return node.outputs[0]
 
 
-def _upsampled(tree, view, color, column: int):
+def _upsampled(tree, view, colour, column: int):
     separate = nodes.add(tree, "ShaderNodeSeparateColor", column - 1, 1)
-    tree.links.new(color, separate.inputs[0])
+    tree.links.new(colour, separate.inputs[0])
     total = None
     for i in range(3):
         total = nodes.multiply_add(tree, column + i, 1, view.outputs[f"B{i}"], separate.outputs[i], total)
@@ -129,13 +130,13 @@ def light_group(index: int, channels: int, spectral: bool = False):
     filtered = _product(tree, 1, 2, source.outputs["Color"], source.outputs["Tint"])
     if spectral:
         tint = _upsampled(tree, view, source.outputs["Tint"], 2)
-        colored = _product(tree, 5, 3, source.outputs["Color"], tint)
+        coloured = _product(tree, 5, 3, source.outputs["Color"], tint)
     else:
-        colored = _upsampled(tree, view, filtered, 2)
-    color = nodes.add(
+        coloured = _upsampled(tree, view, filtered, 2)
+    colour = nodes.add(
         tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}"
     )
-    lit = _product(tree, 5, 1, colored, color.outputs["Vector"])
+    lit = _product(tree, 5, 1, coloured, colour.outputs["Vector"])
     plain, spectrally = (_product(tree, 6, 1 + k, v, source.outputs["Spectrum"]) for k, v in enumerate((filtered, lit)))
     chosen = nodes.choose(tree, 7, view.outputs["ON"], plain, spectrally)
     output = nodes.add(tree, "NodeGroupOutput", 8)
@@ -144,7 +145,7 @@ def light_group(index: int, channels: int, spectral: bool = False):
 
 
 def set_spectral(node, channels: int, spectral: bool) -> None:
-    """Tell an inserted node of a *Light* group whether its Color comes from a spectrum."""
+    """Set whether the Color of an inserted node of a *Light* group comes from a spectrum."""
     node.node_tree = light_group(node.node_tree[_LIGHT], channels, spectral)
     node.label = node.node_tree.name
 
@@ -205,7 +206,7 @@ def _column_name(group: int, channel: int) -> str:
 
 
 def write_recombination(tree, matrices: np.ndarray) -> None:
-    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them are let alone."""
+    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them already stay."""
     changed = []
     for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):
         for channel, column in enumerate(matrix.T):

@@ -1,6 +1,6 @@
 """Node trees: adding nodes, putting one in front of a socket and taking it out again.
 
-A node group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
+A node group that Relume made says what it is in the custom property `ROLE`: artists may rename it.
 """
 
 from collections.abc import Iterable, Iterator, Sequence

@@ -28,7 +28,7 @@ def sources_of(owner, kelvin: float | None = None) -> list:
         for node in tree.nodes:
             used = [socket for socket in spectral_sockets(node) if in_use(socket, animated[tree])]
             if _is_rgb_metal(wiring, node, used):
-                found.append(_metal_color(wiring, node))
+                found.append(_metal_colour(wiring, node))
                 continue
             for socket in used:
                 shines = kelvin and kind_of(socket) is Kind.EMISSION
@@ -113,6 +113,6 @@ def _is_rgb_metal(wiring: Wiring, node, used: list) -> bool:
     return all(wiring.link(_holder(wiring, node.inputs[name])) is None for name in _METAL)
 
 
-def _metal_color(wiring: Wiring, node) -> tuple:
+def _metal_colour(wiring: Wiring, node) -> tuple:
     n, k = (_holder(wiring, node.inputs[name]).default_value[:3] for name in _METAL)
     return tuple(fresnel.reflectance(n, k, 1.0).tolist())

@@ -34,10 +34,10 @@ def _speaks_json() -> bool:
     return os.environ.get("RELUME_EVENTS") == "json"
 
 
-def event(kind: str, **told) -> bool:
+def event(kind: str, **fields) -> bool:
     """Tell a program that follows; returns whether one does."""
     if _speaks_json():
-        _print(json.dumps({"event": kind, **told}))
+        _print(json.dumps({"event": kind, **fields}))
     return _speaks_json()
 
 
@@ -76,15 +76,15 @@ class Progress:
         self.moving = sys.stderr.isatty() and not _speaks_json()
 
     def __call__(self, index: int, part: float) -> None:
-        told = f"pass {index + 1} of {self.passes}"
+        at = f"pass {index + 1} of {self.passes}"
         if self.moving:
             width = 30
             filled = round(width * min((index + part) / self.passes, 1.0))
-            line = f"{self.words}  {'█' * filled}{'·' * (width - filled)}  {told}"
+            line = f"{self.words}  {'█' * filled}{'·' * (width - filled)}  {at}"
             # A line that wraps cannot be rewritten
             print(f"\r{line[: shutil.get_terminal_size().columns - 1]}", end="", file=sys.stderr, flush=True)
         elif index != self.last and not event("pass", words=self.words, number=index + 1, passes=self.passes):
-            print(f"{self.words}: {told}", file=sys.stderr, flush=True)
+            print(f"{self.words}: {at}", file=sys.stderr, flush=True)
         self.last = index
 
     def done(self) -> None:
@@ -120,7 +120,7 @@ def _redirected(number: int, sink: int) -> Iterator[int]:
 def apart() -> Iterator[None]:
     """While it lasts, standard output is Python's alone: Blender's C code writes its own lines there, unasked.
 
-    They are dropped, or go to standard error where the log is at "info" or below. A crash is told on standard error.
+    They are dropped, or go to standard error where the log is at "info" or below; a crash is reported there.
     """
     global _own
     if not faulthandler.is_enabled():

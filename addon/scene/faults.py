@@ -38,20 +38,20 @@ def check(scene) -> None:
 
 def remarks_on(scene, found: inventory.Inventory) -> list[Remark]:
     """What a scene whose inventory is `found` goes without."""
-    told = []
+    faulty = []
     if scene.cycles.use_denoising and not denoising.available():
-        told.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
+        faulty.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
     for layer in scene.view_layers:
         if layer.use and all(thing.hide_render or thing.type == "CAMERA" for thing in layer.objects):
-            told.append(Remark(layer.name, "", _BARE))
+            faulty.append(Remark(layer.name, "", _BARE))
     for block in found.blocks:
         if block.is_missing:
-            told.append(Remark(block.name, "", _MISSING.format(block.library.filepath)))
+            faulty.append(Remark(block.name, "", _MISSING.format(block.library.filepath)))
     for block in [*found.blocks, *_embedded(found.blocks)]:
-        told += [Remark(block.name, path, _BROKEN) for path in animation.broken(block)]
+        faulty += [Remark(block.name, path, _BROKEN) for path in animation.broken(block)]
     named = sorted({thing.lightgroup for thing in found.objects})
-    told += [Remark(name, "", why) for name in named if (why := lights.why_unusable(name))]
-    return told + [Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
+    faulty += [Remark(name, "", why) for name in named if (why := lights.why_unusable(name))]
+    return faulty + [Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
 
 
 def _embedded(blocks) -> list:

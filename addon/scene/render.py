@@ -127,12 +127,12 @@ def _render_to(scene, path: Path) -> None:
 
 
 class _Progress:
-    """While it is entered, tells how far the render is: Cycles says the sample, and begins at one in every pass."""
+    """While it is entered, reports how far the render is: Cycles says the sample, and begins at one in every pass."""
 
     _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
 
-    def __init__(self, tell: Callable[[int, float], None] | None) -> None:
-        self.tell, self.index, self.sample = tell, 0, 0
+    def __init__(self, report: Callable[[int, float], None] | None) -> None:
+        self.report, self.index, self.sample = report, 0, 0
 
     def __call__(self, words, _) -> None:
         found = self._SAMPLE.search(words or "")
@@ -140,14 +140,14 @@ class _Progress:
             sample, samples = map(int, found.groups())
             self.index += sample < self.sample
             self.sample = sample
-            self.tell(self.index, sample / samples)
+            self.report(self.index, sample / samples)
 
     def __enter__(self) -> None:
-        if self.tell:
+        if self.report:
             bpy.app.handlers.render_stats.append(self)
 
     def __exit__(self, *_) -> None:
-        if self.tell:
+        if self.report:
             bpy.app.handlers.render_stats.remove(self)
 
 

@@ -90,7 +90,7 @@ def _rename(settings, before: str, after: str) -> None:
 
 
 def renamed(settings, before: str, after: str) -> None:
-    """Follow a row that got a new name in all that knows it by its name."""
+    """Rename a row in everything that knows it by its name."""
     scene = settings.id_data
     if before in (members := members_of(scene)):
         _note_members(scene, {after if name == before else name: things for name, things in members.items()})
@@ -111,7 +111,7 @@ def _renamed_pixel(picked: str, before: str, after: str) -> str:
 
 
 def _rename_in(snapshot, before: str, after: str) -> None:
-    """Follow a light group that got a new name in a snapshot, if that knows it. Raises nothing: a damaged one stays."""
+    """Rename a light group in a snapshot that has it. Never raises: a damaged snapshot stays as it is."""
     with suppress(SetupError):
         kept = schema.snapshot(snapshot.mix)
         groups, balance = kept["light_groups"], kept["balance"]
@@ -166,7 +166,7 @@ def _is_kept(scene, index: int) -> bool:
 
 
 def mark(settings) -> None:
-    """Note in every row where it stands and how it is called, for `put_back` and for when the set-up is removed."""
+    """Note in every row its place and its name, for `put_back` and for when the set-up is removed."""
     for number, row in enumerate(settings.light_groups):
         if not settings.is_set_up:
             row[_PLACE] = number

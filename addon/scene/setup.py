@@ -110,7 +110,7 @@ def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], 
     spectra.update_all(model)
     glass.update_all(model)
     let_through()
-    _convert_colors(scene, groups, model)
+    _convert_colours(scene, groups, model)
     let_through()
     view_layers.add(scene, model, groups, _share_samples(scene, model))
     let_through()
@@ -145,15 +145,15 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     return sampling.independent(model.passes, samples, cycles.seed)
 
 
-def _convert_colors(scene, groups: list[str], model: FactorModel) -> None:
+def _convert_colours(scene, groups: list[str], model: FactorModel) -> None:
     """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
     found = inventory.take(scene)
     about_scene = faults.remarks_on(scene, found)
-    lamps, about_lamps = lights.take_colors(found.lights)
+    lamps, about_lamps = lights.take_colours(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
-    about_colors = sockets.convert(shadings, model.channels, shining.convert)
-    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colors])
+    about_colours = sockets.convert(shadings, model.channels, shining.convert)
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colours])
     first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
     fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
     scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
@@ -197,7 +197,7 @@ def _draw_swatches(scene, lights: Iterable[Light]) -> None:
 
 
 def relight(scene) -> None:
-    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture and is told.
+    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture: the panel says why.
 
     Never raises: Blender calls it while a property changes.
     """
@@ -240,7 +240,7 @@ def set_up_afresh(scene) -> None:
 def remove(scene) -> None:
     """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up.
 
-    What stops it, Ctrl-C too, comes through when it is done all the same. Raises SetupError.
+    An exception or Ctrl-C on the way is raised once it is done all the same. Raises SetupError.
     """
     schema.check(scene)
     with interruption.held_back(), mixer.quiet():

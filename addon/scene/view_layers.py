@@ -45,7 +45,7 @@ def write_view(layer, numbers: recombination.ViewLayerNumbers) -> None:
     values = {"relume_on": 1.0}
     values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
     values |= {f"relume_w{i}": column for i, column in enumerate(numbers.spectrum.T.tolist())}
-    values |= {f"relume_light{i}": color for i, color in enumerate(numbers.lights.tolist())}
+    values |= {f"relume_light{i}": colour for i, colour in enumerate(numbers.lights.tolist())}
     for key, value in values.items():
         if layer.get(key) is None or not _same(layer[key], value):
             layer[key] = value

@@ -1,4 +1,4 @@
-"""Who follows when something that is kept changes: the store itself calls nobody above it; `handlers` wires them."""
+"""What happens when something that is kept changes: the store itself calls nobody above it; `handlers` wires them."""
 
 from collections.abc import Callable
 
@@ -13,16 +13,16 @@ _followers: dict[str, Callable] = {}
 
 
 def follow(change: str, function: Callable) -> None:
-    """From now on `function` is called at each change of that kind, with what is said of it above."""
+    """Call `function` at each change of that kind from now on, with the arguments listed above."""
     _followers[change] = function
 
 
 def forget() -> None:
-    """From now on nobody follows."""
+    """Call nothing from now on."""
     _followers.clear()
 
 
 def tell(change: str, *about) -> object:
-    """Call who follows that change, and return what it returns; None where nobody does."""
+    """Call the function that follows that change and return what it returns; None where there is none."""
     follower = _followers.get(change)
     return follower(*about) if follower else None

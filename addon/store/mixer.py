@@ -75,7 +75,7 @@ def quiet() -> Iterator[None]:
 
 
 def is_quiet() -> bool:
-    """Whether the mixer is being written, so that what it says now is not yet to be shown."""
+    """Whether the mixer is being written: what it says now is not to be shown yet."""
     return _quiet > 0
 
 
@@ -94,7 +94,7 @@ def stored_spectrum(text: str) -> Spectrum:
 
 
 def _file_chosen(self, context) -> None:
-    """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
+    """Read the file of a row; one that cannot be used is reported, and the row keeps the spectrum that it has."""
     if _quiet or not self.path:
         return
     try:
@@ -217,7 +217,7 @@ class LightGroup(PropertyGroup):
 
     @property
     def gain(self) -> float:
-        """Brightness as a multiple of what was rendered, 0 where the group is mute; solo is not looked at."""
+        """Brightness as a multiple of what was rendered, 0 where the group is mute; solo does not count."""
         return 0.0 if self.mute else mixing.gain(self.stops)
 
     @gain.setter
@@ -230,7 +230,7 @@ class LightGroup(PropertyGroup):
 
     @property
     def origin(self) -> str:
-        """The file that was read, and how where it does not stand there so; "" if none was."""
+        """The file that was read, and what was read otherwise than it stands there; "" if none was."""
         try:
             return stored_spectrum(self.measured).source
         except RelumeError:
@@ -284,13 +284,13 @@ def choices(settings) -> dict:
 
 
 def filled(struct, kept: dict) -> dict:
-    """What was kept of a row of the mixer, or of the scene's settings; what is not in it gets its default."""
+    """What was kept of a row of the mixer, or of the scene's settings, with the default of whatever it lacks."""
     names, blend = (_ROW, {"blend": kept.get("blend", [])}) if isinstance(struct, LightGroup) else (BALANCE, {})
     return {name: kept.get(name, struct.bl_rna.properties[name].default) for name in names} | blend
 
 
 def spectrum_of(said: dict) -> Spectrum:
-    """What shines where a row says that, as a Spectrum. Raises LibraryError, SpectrumError."""
+    """The Spectrum that a row, as `choice` gives it, stands for. Raises LibraryError, SpectrumError."""
     if said["source"] == "FILE":
         return stored_spectrum(said["measured"])
     if said["source"] == "BLEND":
@@ -302,7 +302,7 @@ def spectrum_of(said: dict) -> Spectrum:
 def apply(settings, chosen: dict) -> list[str]:
     """Put back what `choices` kept; returns the names of light groups that the mixer no longer has.
 
-    What it kept not, for it is older than that property, gets its default.
+    A property that is newer than the mix gets its default.
     """
     missing = []
     with quiet():

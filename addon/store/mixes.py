@@ -34,7 +34,7 @@ def stored_observer(text: str) -> tuple[Spectrum, Spectrum, Spectrum]:
 def of(settings, model: FactorModel | None = None) -> Mix:
     """The `core` Mix that the mixer of a scene says. Raises RelumeError where it cannot be shown.
 
-    settings: the scene's own, or as evaluated at a frame. model: what a white of a pixel or group is reckoned with.
+    settings: the scene's own, or as evaluated at a frame. model: what the white of a pixel or group is computed with.
     """
     return of_choices(mixer.choices(settings), [row.name for row in settings.lit], model)
 

@@ -76,7 +76,7 @@ def _model_from(text: str) -> FactorModel:
 
 
 def _observer_chosen(self, context) -> None:
-    """Read the file of an observer; what cannot be used is told, and the one that was read before stays."""
+    """Read the file of an observer; one that cannot be used is reported, and the observer read before stays."""
     if is_quiet() or not self.observer_path:
         return
     try:
@@ -239,7 +239,7 @@ class SceneSettings(PropertyGroup):
 
     @property
     def observer_origin(self) -> str:
-        """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
+        """The file of an observer that was read, and what was read otherwise than it stands there; "" if none was."""
         try:
             return mixes.stored_observer(self.observer_measured)[0].source
         except RelumeError:

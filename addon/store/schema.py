@@ -20,7 +20,7 @@ def note(scene) -> None:
 
 
 def check(scene) -> None:
-    """Raises SetupError where a newer Relume set the scene up: what it left there is not known here."""
+    """Raises SetupError where a newer Relume set the scene up: this one cannot know what it left there."""
     version = scene.get(_VERSION, 1)
     if version > VERSION:
         raise SetupError(
@@ -42,7 +42,7 @@ def snapshot_text(choices: dict) -> str:
 def snapshot(text: str) -> dict:
     """The choices that a snapshot keeps, of this version or an older one; what they lack has its default.
 
-    Raises SetupError for those of a newer Relume, and for what is none.
+    Raises SetupError for those of a newer Relume, and for text that is no snapshot.
     """
     try:
         kept = json.loads(text)

@@ -46,7 +46,7 @@ class LightDial(NeedsSetUp, Operator):
         self.before = [part.weight for part in row.blend]
         self.dragging = False
 
-        self.colors = [tuple(drawing.swatch(library.illuminant(part.illuminant)).tolist()) for part in row.blend]
+        self.colours = [tuple(drawing.swatch(library.illuminant(part.illuminant)).tolist()) for part in row.blend]
         self.names = [part.illuminant for part in row.blend]
         space = type(area.spaces.active)
         self.handle = space.draw_handler_add(self._draw, (context.scene,), "WINDOW", "POST_PIXEL")
@@ -105,10 +105,10 @@ class LightDial(NeedsSetUp, Operator):
         overlay.disc((x, y), radius * 1.25, (0.12, 0.12, 0.12, 0.8))
         overlay.disc((x, y), radius, (0.24, 0.24, 0.24, 0.9))
         anchors = [(x + radius * a, y + radius * b) for a, b in mixing.anchors(len(weights)).tolist()]
-        for place, color, name in zip(anchors, self.colors, self.names, strict=True):
-            overlay.disc(place, 9 * scale, (*color, 1.0))
+        for place, colour, name in zip(anchors, self.colours, self.names, strict=True):
+            overlay.disc(place, 9 * scale, (*colour, 1.0))
             above = 12 if place[1] >= y - 1 else -22
-            overlay.text(name, place[0], place[1] + above * scale, scale, centered=True)
+            overlay.text(name, place[0], place[1] + above * scale, scale, centred=True)
         a, b = mixing.handle(weights).tolist()
         overlay.disc((x + radius * a, y + radius * b), 8 * scale, (0.0, 0.0, 0.0, 1.0))
         overlay.disc((x + radius * a, y + radius * b), 6 * scale, (1.0, 1.0, 1.0, 1.0))

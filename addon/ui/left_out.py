@@ -50,7 +50,7 @@ def _key(scene) -> tuple:
 
 
 def _soon(key: tuple, name: str) -> None:
-    """Work it out after Blender has drawn; a panel may compute nothing."""
+    """Work it out once Blender has drawn: a panel may not compute anything."""
 
     def work() -> None:
         scene = bpy.data.scenes.get(name)
@@ -88,9 +88,9 @@ class _LeftOut:
         for row in _known[key]:
             box = self.layout.box().column(align=True)
             mixer_panels.words(box, row.what[:1].upper() + row.what[1:])
-            told = box.column(align=True)
-            told.active = False
-            mixer_panels.words(told, row.cost)
+            cost = box.column(align=True)
+            cost.active = False
+            mixer_panels.words(cost, row.cost)
 
 
 class SidebarLeftOut(_LeftOut, Panel):

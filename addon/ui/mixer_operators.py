@@ -14,7 +14,7 @@ __all__ = ["CLASSES", "NeedsSetUp"]
 
 
 class NeedsSetUp:
-    """Of operators that need a scene that is set up, and are one step of undo."""
+    """Operators that need a scene that is set up, and are one step of undo."""
 
     bl_options = {"REGISTER", "UNDO"}
 
