@@ -26,11 +26,11 @@ def _modules():
     return properties, icons, operators, panels, *palettes, material_panel, handlers, commands
 
 
-def register():
+def register() -> None:
     for module in _modules():
         module.register()
 
 
-def unregister():
+def unregister() -> None:
     for module in reversed(_modules()):
         module.unregister()

@@ -3,7 +3,9 @@
 import bpy
 from bpy.app.handlers import persistent
 
-from .store import changes
+from ..core.errors import RelumeError
+from .scene import baking, compositing, light_groups, note, render, setup, view_layers
+from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
 
@@ -20,10 +22,7 @@ def _mix(settings) -> tuple:
     return rows, balance, settings.wipe
 
 
-def _follow(scene, depsgraph):
-    from .scene import compositing, setup
-    from .store import mixer
-
+def _follow(scene, depsgraph) -> None:
     if mixer.is_quiet() or not scene.relume.is_set_up or scene.animation_data is None:
         return
     settings = scene.evaluated_get(depsgraph).relume
@@ -36,37 +35,30 @@ def _follow(scene, depsgraph):
 
 
 @persistent
-def _frame_changed(scene, depsgraph):
+def _frame_changed(scene, depsgraph) -> None:
     _followed.pop(scene.session_uid, None)
     _follow(scene, depsgraph)
 
 
 @persistent
-def _depsgraph_updated(scene, depsgraph):
+def _depsgraph_updated(scene, depsgraph) -> None:
     _follow(scene, depsgraph)
 
 
 @persistent
-def _bake(scene, *_):
-    from .scene import baking
-
+def _bake(scene, *_) -> None:
     if scene.relume.is_set_up and baking.is_animated(scene):
         baking.bake(scene)
 
 
 @persistent
-def _forget(scene, *_):
-    from .scene import baking
-
+def _forget(scene, *_) -> None:
     baking.forget(scene)
 
 
 @persistent
-def _note(scene, *_):
+def _note(scene, *_) -> None:
     """Have the scene's renders say how they are relit; a mix that cannot be shown leaves what they said before."""
-    from ..core.errors import RelumeError
-    from .scene import baking, note, render, view_layers
-
     if scene.relume.is_set_up and view_layers.pass_layers(scene) and scene.is_editable:
         animated = baking.is_animated(scene)
         if note.is_current(scene, animated):
@@ -78,14 +70,14 @@ def _note(scene, *_):
 
 
 @persistent
-def _before_saving(*_):
+def _before_saving(*_) -> None:
     for scene in bpy.data.scenes:
         _bake(scene)
         _note(scene)
 
 
 @persistent
-def _forget_all(*_):
+def _forget_all(*_) -> None:
     _followed.clear()
     for scene in bpy.data.scenes:
         _forget(scene)
@@ -104,27 +96,19 @@ _HANDLERS = (
 )
 
 
-def _mix_changed(scene):
-    from .scene import setup
-
+def _mix_changed(scene) -> None:
     setup.relight(scene)
 
 
 def _light_group_renamed(scene, before: str, after: str) -> str:
-    from .scene import light_groups
-
     return light_groups.rename(scene, before, after)
 
 
-def _passes_changed(scene):
-    from .scene import setup
-
+def _passes_changed(scene) -> None:
     setup.set_up_afresh(scene)
 
 
-def _wipe_moved(scene, position: float):
-    from .scene import compositing
-
+def _wipe_moved(scene, position: float) -> None:
     compositing.move_wipe(scene, position)
 
 
@@ -136,14 +120,14 @@ _CHANGES = {
 }
 
 
-def register():
+def register() -> None:
     for change, function in _CHANGES.items():
         changes.follow(change, function)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
 
 
-def unregister():
+def unregister() -> None:
     changes.forget()
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

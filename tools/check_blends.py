@@ -14,7 +14,6 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
 RESULT = "check_blends: "
 SECONDS = 300  # for one file
 
@@ -24,10 +23,8 @@ def check(path: Path) -> dict:
     import tempfile
 
     import bpy
-
-    sys.path.insert(0, str(ROOT / "tests"))
     import dump
-    import test_fidelity as fidelity
+    import fidelity
 
     import relume
     from relume.addon.graph import nodes, sockets
@@ -63,13 +60,15 @@ def check(path: Path) -> dict:
     return {
         "converted": converted,
         "remarks": said,
-        "preview": _difference(fidelity, preview, plain),
-        "lit": _difference(fidelity, lit, plain),
+        "preview": _difference(preview, plain),
+        "lit": _difference(lit, plain),
         "differences": dump.changes(before),
     }
 
 
-def _difference(fidelity, picture, plain) -> float:
+def _difference(picture, plain) -> float:
+    import fidelity
+
     from relume.core.colour.differences import MeasureError
 
     try:

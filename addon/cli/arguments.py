@@ -122,14 +122,14 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     return parser
 
 
-def _add_scene(parser, in_blender: bool):
+def _add_scene(parser: argparse.ArgumentParser, in_blender: bool) -> None:
     if in_blender:
         parser.set_defaults(scene=None)
     else:
         parser.add_argument("scene", metavar="SCENE.blend", type=_path)
 
 
-def _add_out(parser, metavar: str, words: str, **options):
+def _add_out(parser: argparse.ArgumentParser, metavar: str, words: str, **options) -> None:
     parser.add_argument("--out", type=_out, metavar=metavar, help=words, **options)
 
 

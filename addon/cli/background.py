@@ -21,7 +21,7 @@ class Report:
     rows: once it is done, those of report.json.
     """
 
-    def __init__(self, blend: Path, folder: Path, percent: int, samples: int):
+    def __init__(self, blend: Path, folder: Path, percent: int, samples: int) -> None:
         self.folder, self.words, self.rows = folder, "starting", []
         self._passes, self._rendered, self._stopped = 0, 0, False
         options = ["--percent", str(percent), "--out", str(folder)]
@@ -47,30 +47,30 @@ class Report:
     def is_running(self) -> bool:
         return self._reader.is_alive()
 
-    def stop(self):
+    def stop(self) -> None:
         """End it; what is rendered stays in its folder, and the next report goes on from there."""
         self._stopped = True
         self._process.terminate()
 
-    def wait(self, seconds: float):
+    def wait(self, seconds: float) -> None:
         """Return when it is done, or after some seconds."""
         self._reader.join(seconds)
 
-    def _read(self):
-        """Follow what the second Blender tells, until it ends."""
+    def _read(self) -> None:
+        """Follow what the second Blender reports, until it ends."""
         failure = ""
         with self._process.stdout as lines:
-            for told in map(_event, lines):
-                kind = told.get("event")
+            for said in map(_event, lines):
+                kind = said.get("event")
                 if kind == "passes":
-                    self._passes = told["number"]
+                    self._passes = said["number"]
                 elif kind == "pass":
                     self._rendered += 1
-                    self.words = told["words"]
+                    self.words = said["words"]
                 elif kind == "failed":
-                    failure = told["words"]
+                    failure = said["words"]
                 elif kind == "rows":
-                    self.rows = told["rows"]
+                    self.rows = said["rows"]
         status = self._process.wait()
         if self._stopped:
             self.words = "stopped; the next report goes on from here"
@@ -82,12 +82,12 @@ class Report:
 
 
 def _event(line: str) -> dict:
-    """What `console.event` told in a line; empty for one that Blender printed by itself, before or besides."""
+    """What `console.event` wrote in a line; empty for one that Blender printed by itself, before or besides."""
     try:
-        told = json.loads(line)
+        said = json.loads(line)
     except ValueError:
         return {}
-    return told if isinstance(told, dict) else {}
+    return said if isinstance(said, dict) else {}
 
 
 def _command(blend: Path, options: list[str]) -> list[str]:
@@ -109,7 +109,7 @@ def start(blend: Path, folder: Path, percent: int, samples: int) -> Report:
     return _current
 
 
-def forget():
+def forget() -> None:
     """Stop what is under way."""
     global _current
     if _current is not None and _current.is_running:

@@ -16,33 +16,33 @@ from . import arguments
 __all__ = ["blender_command", "execute", "register", "unregister"]
 
 
-def _run(told: argparse.Namespace):
+def _run(options: argparse.Namespace) -> None:
     from ...studies import figures
     from ..scene import describe
     from . import demo, jobs, report, web
 
-    if getattr(told, "scene", None) is not None:
-        open_scene(located(told.scene))
-    if told.out is not None:
-        told.out = located(told.out)
-    if told.command == "render":
-        jobs.render_scene(bpy.context.scene, told)
-    elif told.command == "relight":
-        told.coefficients, told.described = located(told.coefficients), None
-        if told.blend is not None:
-            open_scene(located(told.blend))
-            told.described = describe.of_open_file()
-        jobs.relight_file(told)
-    elif told.command == "describe":
-        jobs.describe_scene(told.out)
-    elif told.command == "web":
-        web.run(told)
-    elif told.command == "report":
-        report.run(told)
+    if getattr(options, "scene", None) is not None:
+        open_scene(located(options.scene))
+    if options.out is not None:
+        options.out = located(options.out)
+    if options.command == "render":
+        jobs.render_scene(bpy.context.scene, options)
+    elif options.command == "relight":
+        options.coefficients, options.described = located(options.coefficients), None
+        if options.blend is not None:
+            open_scene(located(options.blend))
+            options.described = describe.of_open_file()
+        jobs.relight_file(options)
+    elif options.command == "describe":
+        jobs.describe_scene(options.out)
+    elif options.command == "web":
+        web.run(options)
+    elif options.command == "report":
+        report.run(options)
     else:
         if not figures.available():
             raise RelumeError("relume demo draws with matplotlib, which this Python lacks: see the README")
-        demo.run(told.out)
+        demo.run(options.out)
 
 
 def execute(argv: list[str], in_blender: bool = False) -> int:
@@ -66,7 +66,7 @@ def execute(argv: list[str], in_blender: bool = False) -> int:
         return 130
     except Exception as error:
         console.LOG.debug("unexpected", exc_info=True)
-        console.fail(f"unexpected {type(error).__name__}: {first_line(error)} (RELUME_LOG=debug tells where)")
+        console.fail(f"unexpected {type(error).__name__}: {first_line(error)} (RELUME_LOG=debug shows where)")
         return 1
     return 0
 
@@ -79,9 +79,9 @@ def blender_command(argv: list[str]) -> int:
 _registered = []
 
 
-def register():
+def register() -> None:
     _registered.append(bpy.utils.register_cli_command("relume", blender_command))
 
 
-def unregister():
+def unregister() -> None:
     bpy.utils.unregister_cli_command(_registered.pop())

@@ -9,6 +9,7 @@ import numpy as np
 from ...core import results
 from ...core.colour import differences, spaces
 from ...core.model import bases
+from ...core.model.factor_model import FactorModel
 from ...core.picture import coefficients
 from ...core.picture.mix import Light
 from ...core.spectra import library
@@ -53,7 +54,7 @@ class _Take:
         return render.picture(self.image, self.lights(lighting), 0.0)
 
 
-def _take(scene, folder: Path, model, words: str) -> _Take:
+def _take(scene, folder: Path, model: FactorModel, words: str) -> _Take:
     setup.set_up(scene, model)
     progress = console.Progress(model.passes, words)
     began = time.perf_counter()
@@ -64,7 +65,7 @@ def _take(scene, folder: Path, model, words: str) -> _Take:
     return _Take(image, time.perf_counter() - began)
 
 
-def run(folder: Path):
+def run(folder: Path) -> None:
     """Render the room as plain RGB, with nine channels and as the reference; write pictures and print a table."""
     with results.folder(folder):
         scene = open_scene(_ROOM)
@@ -107,7 +108,7 @@ def _shown(take: _Take, lighting: str) -> np.ndarray:
     return denoising.denoised(take.rgb(lighting)) if denoising.available() else take.rgb(lighting)
 
 
-def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences) -> list[Path]:
+def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences: dict[str, np.ndarray]) -> list[Path]:
     written = []
     for lighting in _LIGHTINGS:
         row = [("Blender RGB", plain), ("Relume, 9 channels", nine), ("Reference, 36 bands", reference)]
@@ -124,7 +125,7 @@ def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences
     return written
 
 
-def _print_table(plain: _Take, nine: _Take, reference: _Take, differences):
+def _print_table(plain: _Take, nine: _Take, reference: _Take, differences: dict[str, np.ndarray]) -> None:
     print(f"\n{'ΔE2000 to the reference':<26}{'Blender RGB':>18}{'Relume, 9 channels':>24}")
     print(f"{'lighting':<26}{'median':>9}{'p98':>9}{'median':>15}{'p98':>9}")
     for lighting, maps in differences.items():

@@ -1,11 +1,12 @@
 """What the commands do: render a scene into files, relight a file."""
 
+import argparse
 import hashlib
 import json
 import os
 import sys
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
@@ -13,10 +14,12 @@ from itertools import islice
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
 from ...core.picture import coefficients, description, sequences
+from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
 from ...core.spectra import library
 from ..host import console, denoising
@@ -28,7 +31,7 @@ __all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_s
 _LONGEST = 100  # bytes of a name within a file's; file systems end at 255
 
 
-def _prepare(scene, channels: str | None, samples: int | None):
+def _prepare(scene, channels: str | None, samples: int | None) -> None:
     if samples is not None:
         scene.cycles.samples = samples
     settings = scene.relume
@@ -64,25 +67,25 @@ def file_name(text: str) -> str:
     return f"{short}-{hashlib.sha1(name.encode()).hexdigest()[:8]}"
 
 
-def render_scene(scene, told):
+def render_scene(scene, options: argparse.Namespace) -> None:
     """`relume render`: for each frame the coefficient EXR and a picture for each illuminant; then summary.json."""
-    if told.out.suffix.lower() in render.FORMATS and not told.out.is_dir():
-        raise UsageError(f"{told.out}: expected a folder; the scene and the illuminants name the pictures")
-    _prepare(scene, told.channels, told.samples)
-    plain = _choose_illuminants(scene, told.illuminant)
+    if options.out.suffix.lower() in render.FORMATS and not options.out.is_dir():
+        raise UsageError(f"{options.out}: expected a folder; the scene and the illuminants name the pictures")
+    _prepare(scene, options.channels, options.samples)
+    plain = _choose_illuminants(scene, options.illuminant)
     stem = Path(bpy.data.filepath).stem or "untitled"
     if scene.relume.plan.get("reason"):
         console.say(scene.relume.plan["reason"])
     if scene.cycles.use_denoising and not denoising.available():
         console.say("this Blender has no denoiser; the pictures keep their noise")
-    with results.folder(told.out) as folder:
-        for frame in [scene.frame_current] if told.frame is None else told.frame:
-            name = stem if told.frame is None else f"{stem}_{frame:04d}"
-            _claim_frame(scene, folder, name, plain, frame, told.resume)
+    with results.folder(options.out) as folder:
+        for frame in [scene.frame_current] if options.frame is None else options.frame:
+            name = stem if options.frame is None else f"{stem}_{frame:04d}"
+            _claim_frame(scene, folder, name, plain, frame, options.resume)
         console.wrote(folder / "summary.json")
 
 
-def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool):
+def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, resume: bool) -> None:
     """Render a frame, unless it is there or another process is at it and both may be left as they are."""
     scene.frame_set(frame)
     exr = folder / f"{name}.exr"
@@ -92,7 +95,7 @@ def _claim_frame(scene, folder: Path, name: str, plain: list[str], frame: int, r
     for path in (exr, *pictures.values(), folder / "summary.json"):
         results.expect(path)
 
-    def wait():
+    def wait() -> None:
         console.say(f"{exr}: another process renders this frame; waiting for it to end")
 
     with results.claim(exr, None if resume else wait) as claimed:
@@ -108,7 +111,7 @@ def _own_mix(scene) -> str:
     return "+".join(dict.fromkeys(row.label for row in scene.relume.lit))
 
 
-def _is_whole(scene, exr: Path, pictures) -> bool:
+def _is_whole(scene, exr: Path, pictures: Iterable[Path]) -> bool:
     """Whether a frame is there, newer than the .blend, of as many channels as asked for, and can be read."""
     blend = Path(bpy.data.filepath)
     if not all(_is_newer(path, blend) for path in (exr, *pictures)):
@@ -122,7 +125,7 @@ def _is_whole(scene, exr: Path, pictures) -> bool:
         return False
 
 
-def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int):
+def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: int) -> None:
     """Render the current frame; names: {illuminant: its picture}. All files appear at the end, or none."""
     progress = console.Progress(scene.relume.model().passes, f"rendering {exr.stem}")
     denoises = scene.cycles.use_denoising and denoising.available()
@@ -184,7 +187,7 @@ def _noted(path: Path) -> list[dict]:
     raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
 
 
-def lights_of(image, chosen: list[str]) -> dict[str, Light]:
+def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
     """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
     lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
     for text in chosen:
@@ -201,24 +204,24 @@ def lights_of(image, chosen: list[str]) -> dict[str, Light]:
     return lights
 
 
-def relight_file(told):
+def relight_file(options: argparse.Namespace) -> None:
     """`relume relight`: pictures of a coefficient EXR, or of a sequence, under other illuminants."""
-    if told.out.suffix.lower() not in render.FORMATS:
-        raise UsageError(f"{told.out}: a picture's name ends in {', '.join(render.FORMATS)}")
-    sources = _sources(told.coefficients, told.out)
+    if options.out.suffix.lower() not in render.FORMATS:
+        raise UsageError(f"{options.out}: a picture's name ends in {', '.join(render.FORMATS)}")
+    sources = _sources(options.coefficients, options.out)
     _check_apart(sources)
-    waiting = {out: source for out, source in sources.items() if not (told.resume and _is_newer(out, source))}
-    found = coefficients.describe_all(waiting.values(), told.described, told.layer)
+    waiting = {out: source for out, source in sources.items() if not (options.resume and _is_newer(out, source))}
+    found = coefficients.describe_all(waiting.values(), options.described, options.layer)
     for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
-        lights_of(image, told.light)
-        if told.out.suffix.lower() != ".exr":
+        lights_of(image, options.light)
+        if options.out.suffix.lower() != ".exr":
             render.check_view(source, image)
     if waiting:
-        _remark(next(iter(waiting.values())), told)
-    with results.folder(told.out.parent):
+        _remark(next(iter(waiting.values())), options)
+    with results.folder(options.out.parent):
         for out in waiting:
             results.expect(out)
-        for number, (out, image, rgb) in enumerate(_relit(waiting, told), 1):
+        for number, (out, image, rgb) in enumerate(_relit(waiting, options), 1):
             render.save_picture(out, rgb, image)
             console.wrote(out)
             if len(sources) > 1:
@@ -228,7 +231,7 @@ def relight_file(told):
                 )
 
 
-def _check_apart(sources: dict[Path, Path]):
+def _check_apart(sources: dict[Path, Path]) -> None:
     """Raise UsageError where a picture would take the place of coefficients, by whatever name or link."""
     taken = {_identity(source) for source in sources.values()} - {None}
     for out in sources:
@@ -244,19 +247,19 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
-def _remark(source: Path, told):
+def _remark(source: Path, options: argparse.Namespace) -> None:
     """Say what was chosen for the user where an EXR of another Blender's holds more than one picture or mix."""
     if coefficients.is_own(source):
         return
-    found = description.of_file(source, told.described)
+    found = description.of_file(source, options.described)
     first, *others = found.layers
-    if others and told.layer is None:
+    if others and options.layer is None:
         console.say(f"took view layer {first!r}; --layer takes {', '.join(map(repr, others))}")
     if found.animated:
         console.say("the mix is animated; took that of the frame at which the scene was saved")
 
 
-def describe_scene(out: Path | None):
+def describe_scene(out: Path | None) -> None:
     """`relume describe`: a sidecar for what other Blenders render of the open file."""
     described = describe.of_open_file()
     out = out or Path(f"{Path(bpy.data.filepath).stem or 'untitled'}{description.SUFFIX}")
@@ -278,13 +281,13 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
-def _relit(waiting: dict[Path, Path], told) -> Iterator:
+def _relit(waiting: dict[Path, Path], options: argparse.Namespace) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
-    def relit(item):
+    def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
-        image = coefficients.read(source, told.described, told.layer)
-        return out, image, render.picture(image, lights_of(image, told.light), told.white)
+        image = coefficients.read(source, options.described, options.layer)
+        return out, image, render.picture(image, lights_of(image, options.light), options.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

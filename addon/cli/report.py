@@ -5,6 +5,7 @@ model's; twice as an artist would, with samples shared out and seeds of their ow
 Each model's figures are kept in the report's folder: a stopped report goes on where it was.
 """
 
+import argparse
 import hashlib
 import json
 import os
@@ -19,7 +20,9 @@ from ...core import results
 from ...core.colour import differences, spaces
 from ...core.errors import CoefficientImageError, UsageError
 from ...core.model import bases
+from ...core.model.factor_model import FactorModel
 from ...core.picture import coefficients, plan, recombination
+from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import Light, Mix
 from ...studies import figures
 from ..host import console
@@ -61,30 +64,30 @@ class Row:
     megabytes: float
 
 
-def run(told):
+def run(options: argparse.Namespace) -> None:
     """Render the scene of the file that is open with every model asked for; write the report and print its paths."""
     blend = Path(bpy.data.filepath)
     if not blend.name:
         raise UsageError("save the scene first: a report opens its file once for each model")
 
-    def wait():
-        console.say(f"{told.out}: another process makes a report there; waiting for it to end")
+    def wait() -> None:
+        console.say(f"{options.out}: another process makes a report there; waiting for it to end")
 
     with (
-        results.folder(told.out) as folder,
+        results.folder(options.out) as folder,
         results.claim(folder / "report.json", wait),
         results.folder(folder / "renders") as renders,
     ):
-        _report(blend, folder, renders, told)
+        _report(blend, folder, renders, options)
 
 
-def _report(blend: Path, folder: Path, renders: Path, told):
-    key = _key(blend, told)
-    scene = _open(blend, told)
+def _report(blend: Path, folder: Path, renders: Path, options: argparse.Namespace) -> None:
+    key = _key(blend, options)
+    scene = _open(blend, options)
     chosen = plan.choose(content.content_of(scene), scene.relume.tolerance)
-    models = _models(scene, told, chosen.model)
+    models = _models(scene, options, chosen.model)
     models[_REFERENCE] = bases.bands()
-    takes = _Takes(blend, told, renders, key)
+    takes = _Takes(blend, options, renders, key)
     passes = takes.waiting(models)
     console.event("passes", number=passes) or console.say(f"{passes} passes to render")
     reference = takes.comparable(_REFERENCE, models[_REFERENCE])
@@ -95,39 +98,39 @@ def _report(blend: Path, folder: Path, renders: Path, told):
     _write(folder, blend, rows, chosen, pictures, takes.lights())
 
 
-def _key(blend: Path, told) -> str:
+def _key(blend: Path, options: argparse.Namespace) -> str:
     """Changes with the file and with all that a render depends on."""
-    settings = [blend.read_bytes(), str((told.samples, told.percent, told.frame)).encode()]
+    settings = [blend.read_bytes(), str((options.samples, options.percent, options.frame)).encode()]
     return hashlib.sha256(b"".join(settings)).hexdigest()
 
 
-def _open(blend: Path, told):
+def _open(blend: Path, options: argparse.Namespace):
     scene = open_scene(blend, remarks=False)  # they were made when it was opened first
     if scene.relume.is_set_up:
         setup.remove(scene)
-    if told.samples:
-        scene.cycles.samples = told.samples
-    if told.percent:
-        scene.render.resolution_percentage = told.percent
-    if told.frame is not None:
-        scene.frame_set(told.frame)
+    if options.samples:
+        scene.cycles.samples = options.samples
+    if options.percent:
+        scene.render.resolution_percentage = options.percent
+    if options.frame is not None:
+        scene.frame_set(options.frame)
     return scene
 
 
-def _models(scene, told, chosen) -> dict:
+def _models(scene, options: argparse.Namespace, chosen: FactorModel) -> dict:
     """{name: model} in the order of their passes; the planner's choice is among them."""
     lights = content.content_of(scene).lights
     made = {}
-    if "rgb" in told.models:
+    if "rgb" in options.models:
         made["RGB"] = bases.rgb()
-    if "prefiltered" in told.models:
+    if "prefiltered" in options.models:
         made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
-    for channels in told.channels:
-        if "fitted" in told.models:
+    for channels in options.channels:
+        if "fitted" in options.models:
             made[f"{channels} channels"] = bases.fitted(channels)
-        if "block" in told.models:
+        if "block" in options.models:
             made[f"block, {channels}"] = bases.block(channels)
-        if "sharpened" in told.models:
+        if "sharpened" in options.models:
             made[f"sharpened, {channels}"] = bases.sharpened(channels)
     made["automatic"] = chosen
     return dict(sorted(made.items(), key=lambda item: item[1].passes))
@@ -136,8 +139,8 @@ def _models(scene, told, chosen) -> dict:
 class _Takes:
     """Renders of one scene, kept in a folder under the key of what they depend on."""
 
-    def __init__(self, blend: Path, told, folder: Path, key: str):
-        self.blend, self.told, self.folder, self.key = blend, told, folder, key
+    def __init__(self, blend: Path, options: argparse.Namespace, folder: Path, key: str) -> None:
+        self.blend, self.options, self.folder, self.key = blend, options, folder, key
 
     def lights(self) -> dict[str, Light]:
         """What shines in each light group of the scene that was rendered last."""
@@ -151,20 +154,20 @@ class _Takes:
         }
         return sum(count * models[name].passes for name, count in renders.items())
 
-    def comparable(self, name: str, model) -> coefficients.CoefficientImage:
+    def comparable(self, name: str, model: FactorModel) -> coefficients.CoefficientImage:
         """The scene without differences of noise: one seed, no path ended by a channel's own brightness."""
         kept = self._kept_image(name, model)
         if kept is None:
-            scene = _open(self.blend, self.told)
+            scene = _open(self.blend, self.options)
             render_settings.compare(scene)
             image, _ = self._render(scene, name, model)
             coefficients.write(self._path(name, model, "exr"), image, render.picture(image, self.lights()))
             return self._kept_image(name, model)
         if not bpy.context.scene.relume.is_set_up:
-            setup.set_up(_open(self.blend, self.told), model)
+            setup.set_up(_open(self.blend, self.options), model)
         return kept
 
-    def _kept_image(self, name: str, model) -> coefficients.CoefficientImage | None:
+    def _kept_image(self, name: str, model: FactorModel) -> coefficients.CoefficientImage | None:
         """What was rendered already; a file that is damaged is taken away, to be made again."""
         path = self._path(name, model, "exr")
         try:
@@ -172,7 +175,7 @@ class _Takes:
         except CoefficientImageError as error:
             return _discard(path, error)
 
-    def _kept_row(self, name: str, model) -> Row | None:
+    def _kept_row(self, name: str, model: FactorModel) -> Row | None:
         path = self._path(name, model, "json")
         try:
             row = Row(**json.loads(path.read_text(encoding="utf-8")))
@@ -184,7 +187,7 @@ class _Takes:
         except (ValueError, TypeError, KeyError) as error:
             return _discard(path, error)
 
-    def row(self, name: str, model, reference) -> Row:
+    def row(self, name: str, model: FactorModel, reference: CoefficientImage) -> Row:
         """The figures of a model, from the folder where they are there."""
         kept = self._kept_row(name, model)
         if kept is not None:
@@ -217,13 +220,13 @@ class _Takes:
         results.write_text(self._path(name, model, "json"), json.dumps(asdict(row)))
         return row
 
-    def _as_an_artist(self, name: str, model, seed: int):
-        scene = _open(self.blend, self.told)
+    def _as_an_artist(self, name: str, model: FactorModel, seed: int) -> tuple[CoefficientImage, dict[str, float]]:
+        scene = _open(self.blend, self.options)
         scene.relume.same_seed, scene.relume.split_samples = False, True
         scene.cycles.seed = 1000 * seed
         return self._render(scene, name, model)
 
-    def _render(self, scene, name: str, model):
+    def _render(self, scene, name: str, model: FactorModel) -> tuple[CoefficientImage, dict[str, float]]:
         """(coefficient image, {"seconds", "sync_seconds", "megabytes"}) of a scene set up for `model`."""
         setup.set_up(scene, model)
         progress = console.Progress(model.passes, name)
@@ -236,7 +239,7 @@ class _Takes:
         sync = sum(times["sync_seconds"] for times in rendered.times.values())
         return rendered.image, {"seconds": seconds, "sync_seconds": sync, "megabytes": _megabytes()}
 
-    def _path(self, name: str, model, ending: str) -> Path:
+    def _path(self, name: str, model: FactorModel, ending: str) -> Path:
         described = f"{self.key}{name}{json.dumps(model.to_dict())}"
         return self.folder / f"{jobs.file_name(name)}-{hashlib.sha256(described.encode()).hexdigest()[:12]}.{ending}"
 
@@ -247,7 +250,7 @@ def _discard(path: Path, error: Exception) -> None:
 
 
 def _megabytes() -> float:
-    """Memory of this process now, where the system tells."""
+    """Memory of this process now, where the system says."""
     try:
         with open("/proc/self/statm", encoding="ascii") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
@@ -255,14 +258,14 @@ def _megabytes() -> float:
         return float("nan")
 
 
-def _difference(image, reference, lights) -> np.ndarray:
+def _difference(image: CoefficientImage, reference: CoefficientImage, lights: dict[str, Light]) -> np.ndarray:
     white = recombination.mixed_white(reference.model, Mix(lights))
     return differences.picture_delta_E(
         coefficients.to_xyz(image, lights), coefficients.to_xyz(reference, lights), white
     )
 
 
-def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictures: dict, lights: dict):
+def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictures: dict, lights: dict) -> None:
     """report.json, report.md and the pictures."""
     record = {"scene": str(blend), "reason": chosen.reason, "rows": [asdict(row) for row in rows]}
     shown = {name: pictures[name] for name in ("RGB", "automatic", _REFERENCE) if name in pictures}

@@ -5,6 +5,7 @@ an input that is missing here.
 """
 
 import os
+from collections.abc import Collection
 from enum import StrEnum
 
 import bpy
@@ -30,72 +31,72 @@ __all__ = [
 class Kind(StrEnum):
     """What a spectral input holds, channel by channel."""
 
-    COLOR = "colour"  # light is multiplied by it
+    COLOUR = "colour"  # light is multiplied by it
     EMISSION = "emission"  # light is sent out
     VECTOR = "vector"  # a length, a coefficient of a volume, n or k of a metal
 
 
 class Bounds(StrEnum):
-    """To what Cycles holds the RGB of a colour before light is multiplied by it."""
+    """The bounds that Cycles holds a colour's RGB to before it multiplies light by it."""
 
     NONE = ""
     POSITIVE = "positive"  # what is below 0 counts as 0
     UNIT = "unit"  # the same, and what is above 1 counts as 1
 
 
-_COLOR = {"Color": Kind.COLOR}
+_COLOUR = {"Color": Kind.COLOUR}
 _EMISSION = {"Color": Kind.EMISSION}
 
 SPECTRAL = {
     "ShaderNodeBackground": _EMISSION,
-    "ShaderNodeBsdfAnisotropic": _COLOR,  # Glossy
-    "ShaderNodeBsdfDiffuse": _COLOR,
-    "ShaderNodeBsdfGlass": _COLOR,
-    "ShaderNodeBsdfHair": _COLOR,
+    "ShaderNodeBsdfAnisotropic": _COLOUR,  # Glossy
+    "ShaderNodeBsdfDiffuse": _COLOUR,
+    "ShaderNodeBsdfGlass": _COLOUR,
+    "ShaderNodeBsdfHair": _COLOUR,
     "ShaderNodeBsdfHairPrincipled": {
-        "Color": Kind.COLOR,
-        "Tint": Kind.COLOR,
+        "Color": Kind.COLOUR,
+        "Tint": Kind.COLOUR,
         "Absorption Coefficient": Kind.VECTOR,
     },
     "ShaderNodeBsdfMetallic": {
-        "Base Color": Kind.COLOR,
-        "Edge Tint": Kind.COLOR,
+        "Base Color": Kind.COLOUR,
+        "Edge Tint": Kind.COLOUR,
         "IOR": Kind.VECTOR,
         "Extinction": Kind.VECTOR,
     },
     "ShaderNodeBsdfPrincipled": {
-        "Base Color": Kind.COLOR,
+        "Base Color": Kind.COLOUR,
         "Subsurface Radius": Kind.VECTOR,
-        "Specular Tint": Kind.COLOR,
-        "Coat Tint": Kind.COLOR,
-        "Sheen Tint": Kind.COLOR,
+        "Specular Tint": Kind.COLOUR,
+        "Coat Tint": Kind.COLOUR,
+        "Sheen Tint": Kind.COLOUR,
         "Emission Color": Kind.EMISSION,
     },
-    "ShaderNodeBsdfRayPortal": _COLOR,
-    "ShaderNodeBsdfRefraction": _COLOR,
-    "ShaderNodeBsdfSheen": _COLOR,
-    "ShaderNodeBsdfToon": _COLOR,
-    "ShaderNodeBsdfTranslucent": _COLOR,
-    "ShaderNodeBsdfTransparent": _COLOR,
+    "ShaderNodeBsdfRayPortal": _COLOUR,
+    "ShaderNodeBsdfRefraction": _COLOUR,
+    "ShaderNodeBsdfSheen": _COLOUR,
+    "ShaderNodeBsdfToon": _COLOUR,
+    "ShaderNodeBsdfTranslucent": _COLOUR,
+    "ShaderNodeBsdfTransparent": _COLOUR,
     "ShaderNodeEeveeSpecular": {
-        "Base Color": Kind.COLOR,
-        "Specular": Kind.COLOR,
+        "Base Color": Kind.COLOUR,
+        "Specular": Kind.COLOUR,
         "Emissive Color": Kind.EMISSION,
     },
     "ShaderNodeEmission": _EMISSION,
-    "ShaderNodeSubsurfaceScattering": {"Color": Kind.COLOR, "Radius": Kind.VECTOR},
-    "ShaderNodeVolumeAbsorption": _COLOR,
+    "ShaderNodeSubsurfaceScattering": {"Color": Kind.COLOUR, "Radius": Kind.VECTOR},
+    "ShaderNodeVolumeAbsorption": _COLOUR,
     "ShaderNodeVolumeCoefficients": {
         "Absorption Coefficients": Kind.VECTOR,
         "Scatter Coefficients": Kind.VECTOR,
         "Emission Coefficients": Kind.EMISSION,
     },
     "ShaderNodeVolumePrincipled": {
-        "Color": Kind.COLOR,
-        "Absorption Color": Kind.COLOR,
+        "Color": Kind.COLOUR,
+        "Absorption Color": Kind.COLOUR,
         "Emission Color": Kind.EMISSION,
     },
-    "ShaderNodeVolumeScatter": _COLOR,
+    "ShaderNodeVolumeScatter": _COLOUR,
 }
 
 # Inputs that act on all wavelengths alike, whatever the node
@@ -181,12 +182,12 @@ def kind_of(socket) -> Kind | None:
     """
     node = socket.node
     if nodes.role(node) == "glass":
-        return Kind.COLOR if socket.identifier == node.inputs["Color"].identifier else None
+        return Kind.COLOUR if socket.identifier == node.inputs["Color"].identifier else None
     known = SPECTRAL.get(node.bl_idname)
     if known is not None and (socket.identifier in known or socket.identifier in CANNOT):
         return known.get(socket.identifier)
     if socket.type == "RGBA" and (known is not None or _is_unknown_shader(node)):
-        return Kind.COLOR
+        return Kind.COLOUR
     return None
 
 
@@ -198,12 +199,12 @@ def spectral_sockets(node) -> list:
 
 
 def bounds_of(socket) -> Bounds:
-    """To what Cycles holds the RGB of a spectral input, so that upsampling can do the same.
+    """The bounds that Cycles holds the RGB of a spectral input to, so that upsampling can do the same.
 
     Channels of a spectrum would be held one by one, which is another colour.
     """
     node = socket.node
-    if kind_of(socket) is not Kind.COLOR or node.bl_idname in _UNBOUNDED:
+    if kind_of(socket) is not Kind.COLOUR or node.bl_idname in _UNBOUNDED:
         return Bounds.NONE
     if node.bl_idname == "ShaderNodeBsdfMetallic":
         return Bounds.UNIT
@@ -214,7 +215,7 @@ def bounds_of(socket) -> Bounds:
     return Bounds.POSITIVE
 
 
-def in_use(socket, animated=()) -> bool:
+def in_use(socket, animated: Collection[str] = ()) -> bool:
     """Whether a spectral input can be seen: not where the weight that goes with it is zero, nor where it emits black.
 
     animated: paths of the values of this tree that are animated or driven.
@@ -227,12 +228,12 @@ def in_use(socket, animated=()) -> bool:
     return any(socket.default_value[:3])
 
 
-def is_animated(socket, animated) -> bool:
+def is_animated(socket, animated: Collection[str]) -> bool:
     """Whether the value of an input is among the animated paths."""
     return bool(animated) and socket.path_from_id("default_value") in animated
 
 
-def _can_differ_from(socket, value: float, animated) -> bool:
+def _can_differ_from(socket, value: float, animated: Collection[str]) -> bool:
     return socket.is_linked or socket.default_value != value or is_animated(socket, animated)
 
 

@@ -42,7 +42,7 @@ def new_glass(name: str, index: Spectrum, kind: str = "ShaderNodeBsdfGlass", nor
     return tree
 
 
-def _fill(tree, model: FactorModel | None):
+def _fill(tree, model: FactorModel | None) -> None:
     """Build the group for a model's channels, or for red, green and blue."""
     index = spectra_of(tree)["IOR"]
     plain = spaces.display_primaries(index)
@@ -107,7 +107,7 @@ def put_back(node):
     return own
 
 
-def _take_place(new, old):
+def _take_place(new, old) -> None:
     tree = old.id_data
     new.parent, new.location = old.parent, old.location
     for socket in old.inputs:
@@ -132,24 +132,24 @@ def _existing(index: Spectrum, kind: str, normal: bool):
     return None
 
 
-def _local():
+def _local() -> list:
     return [t for t in bpy.data.node_groups if t.get(nodes.ROLE) == "glass" and t.library is None and SPECTRA in t]
 
 
-def update_all(model: FactorModel):
+def update_all(model: FactorModel) -> None:
     """Give every glass of this file the indices of a model's channels."""
     for tree in _local():
         _fill(tree, model)
 
 
-def mend_all(model: FactorModel):
+def mend_all(model: FactorModel) -> None:
     """Build what an update that ended part-way left unfinished."""
     for tree in _local():
         if _UNFINISHED in tree:
             _fill(tree, model)
 
 
-def restore_all():
+def restore_all() -> None:
     """Leave in every glass of this file only the indices of red, green and blue."""
     for tree in _local():
         _fill(tree, None)

@@ -5,6 +5,7 @@ group is of one temperature, the group starts with that illuminant; otherwise ea
 relative to the D65 of its group.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -25,7 +26,7 @@ __all__ = [
     "Lamp",
     "Lighting",
     "blackbody_behind",
-    "colors_of",
+    "colours_of",
     "emitters_of",
     "first_illuminant",
     "group_of",
@@ -34,7 +35,7 @@ __all__ = [
     "members_of",
     "restore",
     "strength_sockets",
-    "take_colors",
+    "take_colours",
     "temperatures_of",
     "why_unusable",
 ]
@@ -123,25 +124,25 @@ class Lamp:
     glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
-def take_colors(lights) -> tuple[dict, list[Remark]]:
+def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
     """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
     lamps, remarks = {}, []
     for light in lights:
         if not _is_own(light):
-            if light.node_tree is None:  # others are told with their nodes
+            if light.node_tree is None:  # others are reported with their nodes
                 remarks.append(sockets.untouchable(light))
             continue
         why = _obstacle(light)
         if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
             remarks.append(Remark(light.name, "", why))
         if not why:
-            lamps[light] = _take_color(light)
+            lamps[light] = _take_colour(light)
     return lamps, remarks
 
 
-def colors_of(lights) -> dict:
-    """{light: Lamp} of the lamps whose colours `take_colors` takes, whether or not it has."""
-    return {light: _color_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
+def colours_of(lights: Iterable) -> dict:
+    """{light: Lamp} of the lamps whose colours `take_colours` takes, whether or not it has."""
+    return {light: _colour_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
 
 
 def _is_own(light) -> bool:
@@ -165,7 +166,7 @@ def _uses_nodes(light) -> bool:
     return light.node_tree is not None if bpy.app.version >= (5, 1, 0) else light.use_nodes
 
 
-def _take_color(light) -> Lamp:
+def _take_colour(light) -> Lamp:
     if _BEFORE not in light:
         light[_BEFORE] = {
             "color": list(light.color),
@@ -177,10 +178,10 @@ def _take_color(light) -> Lamp:
         light.use_nodes = True
     light.use_temperature = False
     light.color = (1.0, 1.0, 1.0)
-    return _color_of(light)
+    return _colour_of(light)
 
 
-def _color_of(light) -> Lamp:
+def _colour_of(light) -> Lamp:
     if _BEFORE in light:
         before = light[_BEFORE].to_dict()
         return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
@@ -189,8 +190,8 @@ def _color_of(light) -> Lamp:
     return Lamp(tuple(light.color))
 
 
-def restore(light):
-    """Give a lamp back the colour that `take_colors` took."""
+def restore(light) -> None:
+    """Give a lamp back the colour that `take_colours` took."""
     if _MOVED in light:
         animation.move(light, light[_MOVED], "color")
         del light[_MOVED]
@@ -205,14 +206,14 @@ def restore(light):
     del light[_BEFORE]
 
 
-def local_lights():
+def local_lights() -> list:
     return [light for light in bpy.data.lights if light.library is None]
 
 
 def temperatures_of(groups: list[str], lamps: dict, shadings: list) -> dict[str, float]:
     """{light group: kelvin} of the groups in which all that shines is one black body.
 
-    lamps: {light: Lamp}, as `take_colors` gives them.
+    lamps: {light: Lamp}, as `take_colours` gives them.
     """
     found = {}
     for shading in shadings:
@@ -226,7 +227,7 @@ def group_of(shading, groups: list[str]) -> str:
     return shading.light_group if shading.light_group in groups else groups[-1]
 
 
-def _temperatures_in(shading, lamp: Lamp | None):
+def _temperatures_in(shading, lamp: Lamp | None) -> Iterator[float | None]:
     """Kelvin of each emission of a tree; None for what is no black body."""
     for node in shading.tree.nodes:
         for socket in spectral_sockets(node):
@@ -246,7 +247,7 @@ def first_illuminant(temperatures: dict[str, float], group: str) -> str:
 class Lighting:
     """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
 
-    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list):
+    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list) -> None:
         self.model, self.groups, self.lamps = model, groups, lamps
         self.temperatures = temperatures_of(groups, lamps, shadings)
 
@@ -257,7 +258,7 @@ class Lighting:
         coefficients = self.model.emission(spectrum, library.illuminant(reference))
         return node_groups.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
 
-    def convert(self, conversion, shading, socket):
+    def convert(self, conversion, shading, socket) -> None:
         """Put the light of its light group in front of a socket that sends out light."""
         name = group_of(shading, self.groups)
         spectral = conversion.carries_spectrum(socket)
@@ -269,7 +270,7 @@ class Lighting:
         group = node_groups.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
         light = conversion.insert(socket, group)
         lamp = self.lamps.get(shading.owner)
-        self._remark_on_color(conversion, shading, light, lamp)
+        self._remark_on_colour(conversion, shading, light, lamp)
         if lamp is None:
             return
         light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
@@ -280,12 +281,12 @@ class Lighting:
         if animation.move(shading.owner, "color", path):
             shading.owner[_MOVED] = path
 
-    def _remark_on_color(self, conversion, shading, light, lamp: Lamp | None):
-        """Tell of light whose colour, as far as it is known, makes of coloured surfaces what RGB does not."""
-        color = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
-        color *= lamp.tint if lamp else 1.0
+    def _remark_on_colour(self, conversion, shading, light, lamp: Lamp | None) -> None:
+        """Remark on light whose colour, as far as it is known, changes coloured surfaces otherwise than RGB does."""
+        colour = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
+        colour *= lamp.tint if lamp else 1.0
         space = bpy.data.colorspace.working_space
-        if upsample.filter_difference(self.model, color, space) > _NOTICED:
+        if upsample.filter_difference(self.model, colour, space) > _NOTICED:
             conversion.remarks.append(Remark(shading.words, "", _FILTER))
 
 

@@ -12,7 +12,9 @@ In shaders:
 In the compositor:
 - *Recombination* sums matrices times coefficient passes.
 
-A group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
+A group that Relume made says what it is in custom properties: its `ROLE` and, where a file has several of one role,
+which of them. So artists may rename groups. Inside a *Recombination*, the nodes that hold matrices are found by their
+names.
 """
 
 import bpy
@@ -35,7 +37,7 @@ __all__ = [
 _LIGHT = "relume_light"  # on a Light group: the number of its light group
 
 
-def _shared_tree(name: str, role_name: str):
+def _shared_tree(name: str, role_name: str) -> tuple[bpy.types.NodeTree, bool]:
     """The one local group of this file with that role and name, made when there is none; and whether it is new."""
     for tree in bpy.data.node_groups:
         if tree.get(nodes.ROLE) == role_name and tree.get("relume_name") == name and tree.library is None:
@@ -103,9 +105,9 @@ def _held(tree, column: int, vector, operation: str, limit: float):
     return node.outputs[0]
 
 
-def _upsampled(tree, view, color, column: int):
+def _upsampled(tree, view, colour, column: int):
     separate = nodes.add(tree, "ShaderNodeSeparateColor", column - 1, 1)
-    tree.links.new(color, separate.inputs[0])
+    tree.links.new(colour, separate.inputs[0])
     total = None
     for i in range(3):
         total = nodes.multiply_add(tree, column + i, 1, view.outputs[f"B{i}"], separate.outputs[i], total)
@@ -129,13 +131,13 @@ def light_group(index: int, channels: int, spectral: bool = False):
     filtered = _product(tree, 1, 2, source.outputs["Color"], source.outputs["Tint"])
     if spectral:
         tint = _upsampled(tree, view, source.outputs["Tint"], 2)
-        colored = _product(tree, 5, 3, source.outputs["Color"], tint)
+        coloured = _product(tree, 5, 3, source.outputs["Color"], tint)
     else:
-        colored = _upsampled(tree, view, filtered, 2)
-    color = nodes.add(
+        coloured = _upsampled(tree, view, filtered, 2)
+    colour = nodes.add(
         tree, "ShaderNodeAttribute", 4, 2, attribute_type="VIEW_LAYER", attribute_name=f"relume_light{index}"
     )
-    lit = _product(tree, 5, 1, colored, color.outputs["Vector"])
+    lit = _product(tree, 5, 1, coloured, colour.outputs["Vector"])
     plain, spectrally = (_product(tree, 6, 1 + k, v, source.outputs["Spectrum"]) for k, v in enumerate((filtered, lit)))
     chosen = nodes.choose(tree, 7, view.outputs["ON"], plain, spectrally)
     output = nodes.add(tree, "NodeGroupOutput", 8)
@@ -143,8 +145,8 @@ def light_group(index: int, channels: int, spectral: bool = False):
     return tree
 
 
-def set_spectral(node, channels: int, spectral: bool):
-    """Tell an inserted node of a *Light* group whether its Color comes from a spectrum."""
+def set_spectral(node, channels: int, spectral: bool) -> None:
+    """Set whether the Color of an inserted node of a *Light* group comes from a spectrum."""
     node.node_tree = light_group(node.node_tree[_LIGHT], channels, spectral)
     node.label = node.node_tree.name
 
@@ -204,8 +206,8 @@ def _column_name(group: int, channel: int) -> str:
     return f"matrix {group} column {channel}"
 
 
-def write_recombination(tree, matrices: np.ndarray):
-    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them are let alone."""
+def write_recombination(tree, matrices: np.ndarray) -> None:
+    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them already stay."""
     changed = []
     for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):
         for channel, column in enumerate(matrix.T):

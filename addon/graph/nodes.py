@@ -1,8 +1,9 @@
 """Node trees: adding nodes, putting one in front of a socket and taking it out again.
 
-A node group that Relume made says what it is in the custom property `ROLE`; nothing goes by name.
+A node group that Relume made says what it is in the custom property `ROLE`: artists may rename it.
 """
 
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import bpy
@@ -52,7 +53,7 @@ def add(tree, kind: str, column: int, row: int = 0, **settings):
     return node
 
 
-def add_socket(tree, name: str, kind: str, *, output: bool, default=None):
+def add_socket(tree, name: str, kind: str, *, output: bool, default: float | tuple[float, ...] | None = None):
     """A new input or output of a node group."""
     socket = tree.interface.new_socket(name, in_out="OUTPUT" if output else "INPUT", socket_type=f"NodeSocket{kind}")
     if default is not None:
@@ -84,7 +85,7 @@ def choose(tree, column: int, on, plain, spectral):
     return next(socket for socket in mix.outputs if socket.type == "RGBA")
 
 
-def weighed(tree, view, coefficients, row: int):
+def weighed(tree, view, coefficients: Iterable[float], row: int):
     """The colour `W @ c`."""
     total = None
     for k, value in enumerate(coefficients):
@@ -98,7 +99,7 @@ def mixed(mix, name: str):
 
 
 @contextmanager
-def unplugged(tree):
+def unplugged(tree) -> Iterator[None]:
     """While it lasts, the output of a material, world or light gets nothing, so that changes to its nodes are quick.
 
     Blender looks at all trees of the file whenever the output of one changes: with 2,000 materials that is what
@@ -116,7 +117,7 @@ def unplugged(tree):
             tree.links.new(source, target).is_muted = muted
 
 
-def insert(tree, socket, link, group, value=None):
+def insert(tree, socket, link, group, value: Sequence[float] | None = None):
     """Put a node of `group` in front of `socket`; it takes over the socket's link or value. Returns the node.
 
     link: what comes into the socket, None if nothing does. value: a colour to show in place of the socket's own, that
@@ -141,7 +142,7 @@ def insert(tree, socket, link, group, value=None):
     return node
 
 
-def take_out(tree, node):
+def take_out(tree, node) -> None:
     """Undo `insert`: what fed the node feeds its users again; otherwise they get its value, edited or not."""
     own, link = node.inputs[0], None
     if own.is_linked:
@@ -159,7 +160,7 @@ def take_out(tree, node):
     tree.nodes.remove(node)
 
 
-def clear_orphans():
+def clear_orphans() -> None:
     """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays)."""
     roles = ("compositing", *INSERTED, "recombination", "comparison", "view")
     for role_name in roles:

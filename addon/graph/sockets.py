@@ -4,7 +4,7 @@ A spectrum is spectral already. Where it reaches a closure through reroutes, mix
 it is mixed with are upsampled before the mix.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -77,7 +77,7 @@ def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
     """
     found, remarks = {}, []
 
-    def visit(tree, owner, light_group):
+    def visit(tree, owner, light_group) -> None:
         if tree is None or tree in found or tree.get(nodes.ROLE):
             return
         if owner.library is not None or owner.override_library is not None:
@@ -129,7 +129,7 @@ class Conversion:
     until_done: closed when all is converted.
     """
 
-    def __init__(self, shadings: list[Shading], channels: int, has_spectra: bool, until_done: ExitStack):
+    def __init__(self, shadings: list[Shading], channels: int, has_spectra: bool, until_done: ExitStack) -> None:
         self.channels, self.has_spectra, self.until_done = channels, has_spectra, until_done
         self.by_tree = {shading.tree: shading for shading in shadings}
         self.wiring = Wiring(self.by_tree)
@@ -165,12 +165,12 @@ class Conversion:
                 waiting += self.wiring.feeds(socket) or ()
         return False
 
-    def remark_on_rgb_only(self, node, visited: set):
+    def remark_on_rgb_only(self, node, visited: set) -> None:
         if any(self.carries_spectrum(s, visited) for s in node.inputs if s.type == "RGBA"):
             why = "it changes a spectrum as if it were an RGB colour: put the spectrum behind it"
             self.remarks.append(Remark(self.by_tree[node.id_data].words, node.name, why))
 
-    def upsample(self, socket):
+    def upsample(self, socket) -> None:
         """Make what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
         visited, waiting = set(), [socket]
         while waiting:
@@ -200,7 +200,7 @@ class Conversion:
         red, green, blue = socket.default_value[:3]
         return red == green == blue
 
-    def insert(self, socket, group, value=None):
+    def insert(self, socket, group, value: Sequence[float] | None = None):
         """Put a node of `group` in front of a socket, as `nodes.insert` does."""
         shading = self.by_tree[socket.id_data]
         if shading.owner != shading.tree and shading.tree not in self.unplugged:
@@ -212,7 +212,7 @@ class Conversion:
             self.move_animation(shading, socket.path_from_id("default_value"), node)
         return node
 
-    def move_animation(self, shading: Shading, path: str, node):
+    def move_animation(self, shading: Shading, path: str, node) -> None:
         """Let the animation of a value act on the inserted node, which now holds it."""
         after = node.inputs[0].path_from_id("default_value")
         node[_ANIMATED] = path
@@ -238,7 +238,7 @@ def convert(
     return conversion.remarks
 
 
-def _convert_tree(conversion: Conversion, shading: Shading, light):
+def _convert_tree(conversion: Conversion, shading: Shading, light) -> None:
     has_output = shading.owner == shading.tree
     for node in list(shading.tree.nodes):
         has_output |= getattr(node, "is_active_output", False)
@@ -262,7 +262,7 @@ def _convert_tree(conversion: Conversion, shading: Shading, light):
         conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
 
 
-def restore(tree, owner):
+def restore(tree, owner) -> None:
     """Take out of a node tree what `convert` put in. owner: as of a `Shading`."""
     inserted = [node for node in tree.nodes if nodes.role(node) in nodes.INSERTED]
     if not inserted:
@@ -272,7 +272,7 @@ def restore(tree, owner):
             take_out(tree, owner, node)
 
 
-def take_out(tree, owner, node):
+def take_out(tree, owner, node) -> None:
     """Take one inserted node out of a tree; its animation goes back to where it was."""
     if _ANIMATED in node:
         after = node.inputs[0].path_from_id("default_value")

@@ -28,7 +28,7 @@ def sources_of(owner, kelvin: float | None = None) -> list:
         for node in tree.nodes:
             used = [socket for socket in spectral_sockets(node) if in_use(socket, animated[tree])]
             if _is_rgb_metal(wiring, node, used):
-                found.append(_metal_color(wiring, node))
+                found.append(_metal_colour(wiring, node))
                 continue
             for socket in used:
                 shines = kelvin and kind_of(socket) is Kind.EMISSION
@@ -53,14 +53,14 @@ def _trees_in(start) -> list:
     return list(found)
 
 
-def _holder(wiring, socket):
+def _holder(wiring: Wiring, socket):
     """The socket that holds a value: the one before what set-up inserted."""
     while (link := wiring.link(socket)) is not None and nodes.role(link.from_node) in {"upsample", "light"}:
         socket = link.from_node.inputs[0]
     return socket
 
 
-def _ends(wiring, animated: dict, start) -> list:
+def _ends(wiring: Wiring, animated: dict, start) -> list:
     """The sources of what comes into a socket, through reroutes, groups and mixes."""
     found, visited, waiting = [], set(), [(start, False)]
     while waiting:
@@ -106,13 +106,13 @@ def _reflectance(tree):
         return None
 
 
-def _is_rgb_metal(wiring, node, used: list) -> bool:
+def _is_rgb_metal(wiring: Wiring, node, used: list) -> bool:
     """Whether n and k of a metal are numbers for red, green and blue."""
     if node.bl_idname != "ShaderNodeBsdfMetallic" or not used or used[0].name not in _METAL:
         return False
     return all(wiring.link(_holder(wiring, node.inputs[name])) is None for name in _METAL)
 
 
-def _metal_color(wiring, node) -> tuple:
+def _metal_colour(wiring: Wiring, node) -> tuple:
     n, k = (_holder(wiring, node.inputs[name]).default_value[:3] for name in _METAL)
     return tuple(fresnel.reflectance(n, k, 1.0).tolist())

@@ -4,6 +4,7 @@ A spectrum group keeps its samples in the custom property `SPECTRA`, {output soc
 for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
 """
 
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -128,7 +129,7 @@ def _clear_unused(tree, node):
         tree.nodes.remove(node)
 
 
-def unassign(material, socket):
+def unassign(material, socket) -> None:
     """Let a shader socket of a material show its own RGB colour again, upsampled in a scene that is set up."""
     tree, before = material.node_tree, inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
@@ -171,7 +172,7 @@ def _plain(tree) -> dict[str, tuple]:
     return {socket: tuple(spaces.display_primaries(spectrum)) for socket, spectrum in spectra.items()}
 
 
-def _fill(tree, model: FactorModel):
+def _fill(tree, model: FactorModel) -> None:
     spectra = spectra_of(tree)
     if "Color" in spectra:
         coefficients = {"Color": model.coefficients(spectra["Color"])}
@@ -182,7 +183,7 @@ def _fill(tree, model: FactorModel):
 
 
 @contextmanager
-def _refilling(tree, plain: dict[str, tuple]):
+def _refilling(tree, plain: dict[str, tuple]) -> Iterator[None]:
     """While a spectrum group gets other nodes: where that ends part-way, its plain values are not lost."""
     tree[_PLAIN] = plain
     tree.nodes.clear()
@@ -190,13 +191,13 @@ def _refilling(tree, plain: dict[str, tuple]):
     del tree[_PLAIN]
 
 
-def _fill_plain(tree, plain: dict[str, tuple]):
+def _fill_plain(tree, plain: dict[str, tuple]) -> None:
     """Give a spectrum group only the values that it shows in a scene without Relume: output -> three numbers."""
     with _refilling(tree, plain):
         _add_plain(tree, plain)
 
 
-def _add_plain(tree, plain: dict[str, tuple]):
+def _add_plain(tree, plain: dict[str, tuple]) -> None:
     output = nodes.add(tree, "NodeGroupOutput", 1)
     for row, (name, value) in enumerate(plain.items()):
         if output.inputs[name].type == "RGBA":
@@ -228,13 +229,13 @@ def _plain_in(tree) -> dict[str, tuple]:
     return found
 
 
-def _fill_with(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
+def _fill_with(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]) -> None:
     """Give a spectrum group p coefficients for each output, and the plain values for a scene without Relume."""
     with _refilling(tree, plain):
         _add_spectral(tree, plain, coefficients)
 
 
-def _add_spectral(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]):
+def _add_spectral(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndarray]) -> None:
     channels = len(next(iter(coefficients.values())))
     output = nodes.add(tree, "NodeGroupOutput", channels + 3)
     view_node = node_groups.add_view(tree, channels)
@@ -249,24 +250,24 @@ def _add_spectral(tree, plain: dict[str, tuple], coefficients: dict[str, np.ndar
         tree.links.new(chosen, output.inputs[name])
 
 
-def _local():
+def _local() -> list:
     return [t for t in bpy.data.node_groups if t.get(nodes.ROLE) == "spectrum" and t.library is None and SPECTRA in t]
 
 
-def update_all(model: FactorModel):
+def update_all(model: FactorModel) -> None:
     """Give every spectrum of this file the coefficients of `model`."""
     for tree in _local():
         _fill(tree, model)
 
 
-def mend_all(model: FactorModel):
+def mend_all(model: FactorModel) -> None:
     """Fill what an update that ended part-way left unfinished."""
     for tree in _local():
         if _PLAIN in tree:
             _fill(tree, model)
 
 
-def restore_all():
+def restore_all() -> None:
     """Leave in every spectrum of this file only its plain colour."""
     for tree in _local():
         _fill_plain(tree, _plain_in(tree))

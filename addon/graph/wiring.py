@@ -6,7 +6,7 @@ from . import nodes
 
 __all__ = ["Wiring"]
 
-_COLORS = {"RGBA", "VECTOR"}  # types of sockets that differ by channel
+_COLOURS = {"RGBA", "VECTOR"}  # types of sockets that differ by channel
 # Nodes that a spectrum passes through channel by channel
 _THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
 
@@ -17,7 +17,7 @@ class Wiring:
     Blender looks through all links of a tree to find those of one socket: here that is done once for each tree.
     """
 
-    def __init__(self, trees):
+    def __init__(self, trees) -> None:
         self.trees = dict.fromkeys(trees)
         self._incoming = {}
 
@@ -25,7 +25,7 @@ class Wiring:
         """The link that comes into a socket, muted or not; None if there is none."""
         return self._links_of(socket.id_data).get(socket)
 
-    def note(self, link):
+    def note(self, link) -> None:
         """Take note of a new link."""
         self._links_of(link.id_data)[link.to_socket] = link
 
@@ -41,18 +41,18 @@ class Wiring:
         link = self.link(socket)
         if link is None or link.is_muted:
             return None
-        if link.from_socket.type not in _COLORS:
+        if link.from_socket.type not in _COLOURS:
             return []
         node, identifier = link.from_node, link.from_socket.identifier
         if node.type in _THROUGH:
-            return [s for s in node.inputs if s.type in _COLORS and not s.is_unavailable]
+            return [s for s in node.inputs if s.type in _COLOURS and not s.is_unavailable]
         if node.type == "GROUP" and node.node_tree and not nodes.role(node):
             inner = node.node_tree.nodes if node.node_tree in self.trees else ()
             ends = [n for n in inner if n.type == "GROUP_OUTPUT" and n.is_active_output]
-            return [s for end in ends for s in end.inputs if s.identifier == identifier and s.type in _COLORS]
+            return [s for end in ends for s in end.inputs if s.identifier == identifier and s.type in _COLOURS]
         if node.type == "GROUP_INPUT":
             callers = self._callers.get(link.id_data, ())
-            return [s for caller in callers for s in caller.inputs if s.identifier == identifier and s.type in _COLORS]
+            return [s for caller in callers for s in caller.inputs if s.identifier == identifier and s.type in _COLOURS]
         return None
 
     @cached_property

@@ -132,7 +132,7 @@ def move(block, before: str, after: str) -> bool:
     return bool(moved)
 
 
-def renumber(block, collection: str, numbers: dict[int, int]):
+def renumber(block, collection: str, numbers: dict[int, int]) -> None:
     """Let what animates or drives the members of a collection follow them to new places: {old index: new index}.
 
     What acts on a member that is gone is taken away: it would act on another. What other data-blocks share stays.

@@ -49,23 +49,23 @@ def open_scene(path: Path, remarks: bool = True):
     loaded = []
 
     @bpy.app.handlers.persistent
-    def note(*_):
+    def note(*_) -> None:
         loaded.append(True)
 
     bpy.app.handlers.load_post.append(note)
     try:
-        with console.heard() as told:
+        with console.heard() as lines:
             bpy.ops.wm.open_mainfile(filepath=os.path.abspath(path), load_ui=False)
     except RuntimeError as error:
         # Blender raises for what it only warns of as well
         if not loaded:
             raise RelumeError(f"{path}: not a file that Blender can open ({first_line(error)})") from error
-        told += str(error).splitlines()
+        lines += str(error).splitlines()
     finally:
         bpy.app.handlers.load_post.remove(note)
     with console.heard():
         bpy.context.view_layer.update()  # drivers run, and those that fail say so in many lines
-    warnings = dict.fromkeys(found[1] for line in told if (found := _WARNING.fullmatch(line)))
+    warnings = dict.fromkeys(found[1] for line in lines if (found := _WARNING.fullmatch(line)))
     if warnings and remarks:
         console.say(f"{path}: {'; '.join(warnings)}")
     broken = _broken_drivers() if remarks else ()

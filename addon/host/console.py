@@ -15,7 +15,10 @@ import socket
 import sys
 import tempfile
 import threading
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, redirect_stderr, redirect_stdout, suppress
+from pathlib import Path
+from typing import IO
 
 from ...core import results
 from ...core.errors import ResultError, UsageError
@@ -31,14 +34,14 @@ def _speaks_json() -> bool:
     return os.environ.get("RELUME_EVENTS") == "json"
 
 
-def event(kind: str, **told) -> bool:
+def event(kind: str, **fields) -> bool:
     """Tell a program that follows; returns whether one does."""
     if _speaks_json():
-        _print(json.dumps({"event": kind, **told}))
+        _print(json.dumps({"event": kind, **fields}))
     return _speaks_json()
 
 
-def _print(line: str):
+def _print(line: str) -> None:
     stream = _own or sys.stdout
     try:
         print(line, file=stream, flush=True)
@@ -48,19 +51,19 @@ def _print(line: str):
         raise ResultError(f"standard output cannot be written ({error.strerror})") from error
 
 
-def say(words: str):
+def say(words: str) -> None:
     """A remark for the user, in one line."""
     words = " ".join(words.split())
     event("said", words=words) or print(f"relume: {words}", file=sys.stderr, flush=True)
 
 
-def fail(words: str):
+def fail(words: str) -> None:
     """Why a command cannot be done, in one line."""
     words = " ".join(words.split())
     event("failed", words=words) or print(f"relume: {words}", file=sys.stderr, flush=True)
 
 
-def wrote(path):
+def wrote(path: Path) -> None:
     """A result that is there now."""
     event("wrote", path=str(path)) or _print(str(path))
 
@@ -68,28 +71,28 @@ def wrote(path):
 class Progress:
     """How far a render is: one line in a terminal that is rewritten; in a log, one line for each pass."""
 
-    def __init__(self, passes: int, words: str = "rendering"):
+    def __init__(self, passes: int, words: str = "rendering") -> None:
         self.passes, self.words, self.last = passes, words.strip(), -1
         self.moving = sys.stderr.isatty() and not _speaks_json()
 
-    def __call__(self, index: int, part: float):
-        told = f"pass {index + 1} of {self.passes}"
+    def __call__(self, index: int, part: float) -> None:
+        at = f"pass {index + 1} of {self.passes}"
         if self.moving:
             width = 30
             filled = round(width * min((index + part) / self.passes, 1.0))
-            line = f"{self.words}  {'█' * filled}{'·' * (width - filled)}  {told}"
+            line = f"{self.words}  {'█' * filled}{'·' * (width - filled)}  {at}"
             # A line that wraps cannot be rewritten
             print(f"\r{line[: shutil.get_terminal_size().columns - 1]}", end="", file=sys.stderr, flush=True)
         elif index != self.last and not event("pass", words=self.words, number=index + 1, passes=self.passes):
-            print(f"{self.words}: {told}", file=sys.stderr, flush=True)
+            print(f"{self.words}: {at}", file=sys.stderr, flush=True)
         self.last = index
 
-    def done(self):
+    def done(self) -> None:
         if self.moving and self.last >= 0:
             print(file=sys.stderr)
 
 
-def start_log():
+def start_log() -> None:
     """Log to standard error as RELUME_LOG says. Raises UsageError for a level that is none."""
     level = os.environ.get("RELUME_LOG", "").lower()
     if level and level not in _LEVELS:
@@ -102,7 +105,7 @@ def start_log():
 
 
 @contextmanager
-def _redirected(number: int, sink: int):
+def _redirected(number: int, sink: int) -> Iterator[int]:
     """While it lasts, what C code writes to this file descriptor goes to another."""
     kept = os.dup(number)
     os.dup2(sink, number)
@@ -114,10 +117,10 @@ def _redirected(number: int, sink: int):
 
 
 @contextmanager
-def apart():
+def apart() -> Iterator[None]:
     """While it lasts, standard output is Python's alone: Blender's C code writes its own lines there, unasked.
 
-    They are dropped, or go to standard error where the log is at "info" or below. A crash is told on standard error.
+    They are dropped, or go to standard error where the log is at "info" or below; a crash is reported there.
     """
     global _own
     if not faulthandler.is_enabled():
@@ -138,7 +141,7 @@ def apart():
 
 
 @contextmanager
-def reports():
+def reports() -> Iterator[list[str]]:
     """While it lasts, Blender's reports, which it prints as Python does, are not shown; yields them afterwards."""
     lines = []
     with redirect_stdout(io.StringIO()) as text:
@@ -151,7 +154,7 @@ def reports():
 
 
 @contextmanager
-def heard():
+def heard() -> Iterator[list[str]]:
     """While it lasts, nothing at all that Blender says is shown, but for a crash; yields its reports afterwards."""
     sys.stderr.flush()
     with tempfile.TemporaryFile() as file, reports() as lines:
@@ -163,14 +166,14 @@ def heard():
             LOG.info("Blender: %s", file.read().decode(errors="replace"))
 
 
-def _writes_to(stream, number: int) -> bool:
+def _writes_to(stream: IO, number: int) -> bool:
     with suppress(OSError, ValueError, AttributeError):
         return stream.fileno() == number
     return False
 
 
 @contextmanager
-def stoppable():
+def stoppable() -> Iterator[None]:
     """While it lasts, Ctrl-C and SIGTERM end the process at once, with what is not finished taken away.
 
     Python itself looks at a signal only between two of its own instructions, that is, after a whole render. A thread
@@ -194,7 +197,7 @@ def stoppable():
         writer.close()
 
 
-def _end_on_signal(reader, numbers: list[int]):
+def _end_on_signal(reader: socket.socket, numbers: list[int]) -> None:
     with reader:
         while received := reader.recv(1):
             if received[0] in numbers:

@@ -2,13 +2,14 @@
 
 import signal
 import threading
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 __all__ = ["held_back"]
 
 
 @contextmanager
-def held_back():
+def held_back() -> Iterator[None]:
     """While it is entered, Ctrl-C waits; yields a function that lets one through that came, for places fit for it.
 
     At the end it comes through in any case, as the KeyboardInterrupt that it would have been. In threads and where
@@ -20,7 +21,7 @@ def held_back():
         return
     waiting = []
 
-    def let_through():
+    def let_through() -> None:
         if waiting:
             before(*waiting.pop())
 

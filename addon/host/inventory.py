@@ -13,7 +13,7 @@ class Inventory:
     materials: {material: the first object that shows it, or None}.
     """
 
-    def __init__(self, scene, uses: dict):
+    def __init__(self, scene, uses: dict) -> None:
         reached = _reached(scene, uses)
         own = list(scene.objects)
         known = set(own)
@@ -67,7 +67,7 @@ def take(scene) -> Inventory:
     return Inventory(scene, uses)
 
 
-def _reached(scene, uses) -> dict:
+def _reached(scene, uses: dict) -> dict:
     """Everything that a scene and its background set use, directly or not; not what other scenes use."""
     reached, waiting = {scene: None}, [scene]
     while waiting:

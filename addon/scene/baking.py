@@ -6,6 +6,7 @@ that is taken away afterwards.
 """
 
 import re
+from collections.abc import Iterator
 
 import bpy
 
@@ -59,7 +60,7 @@ def bake(scene) -> int:
     return len(frames)
 
 
-def _by_evaluation(scene, frames: list[int]):
+def _by_evaluation(scene, frames: list[int]) -> Iterator[None]:
     before = scene.frame_current
     try:
         for frame in frames:
@@ -69,7 +70,7 @@ def _by_evaluation(scene, frames: list[int]):
         scene.frame_set(before)
 
 
-def _by_curves(scene, frames: list[int]):
+def _by_curves(scene, frames: list[int]) -> Iterator[None]:
     """The mixer as its curves say at each frame, without the rest of the scene: it may take seconds to evaluate."""
     settings, curves = scene.relume, animation.keyed(scene, _MIXER)
     for frame in frames:
@@ -81,7 +82,7 @@ def _by_curves(scene, frames: list[int]):
     setup.follow(scene, mixer.choices(settings))
 
 
-def _say(settings, said: dict, path: str, value: float):
+def _say(settings, said: dict, path: str, value: float) -> None:
     """Put the value of a curve into what the mixer says; a path that leads nowhere there says nothing."""
     found = _PATH.fullmatch(path)
     if not found:
@@ -101,7 +102,7 @@ def _say(settings, said: dict, path: str, value: float):
         place[name] = kind.enum_items[int(value)].identifier if kind.type == "ENUM" else type(place[name])(value)
 
 
-def _write(tree, frames: list[int], values: list[list[tuple]]):
+def _write(tree, frames: list[int], values: list[list[tuple]]) -> None:
     """One curve for each component of each matrix column, of values by frame, socket and component."""
     action = bpy.data.actions.new(f"{tree.name} mix")
     action[_BAKED] = True
@@ -121,7 +122,7 @@ def _write(tree, frames: list[int], values: list[list[tuple]]):
             curve.update()
 
 
-def forget(scene):
+def forget(scene) -> None:
     """Take away the keyframes that `bake` made."""
     for tree in _trees(scene):
         action = _action(tree)

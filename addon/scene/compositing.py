@@ -1,6 +1,7 @@
 """The recombination in a scene's compositing: coefficient passes in, the picture out for whatever comes after."""
 
 import bpy
+import numpy as np
 
 from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import EVERYTHING_ELSE
@@ -43,7 +44,7 @@ def _new_tree(source: str):
     return tree
 
 
-def add(scene, groups: list[str]):
+def add(scene, groups: list[str]) -> None:
     """Put the recombination in the place of the Render Layers image, in the compositing that the scene has or gets."""
     layers = view_layers.pass_layers(scene)
     if scene.compositing_node_group is None:
@@ -57,7 +58,7 @@ def add(scene, groups: list[str]):
                 _feed(tree, node, group, copies, groups)
 
 
-def _feed(tree, first, group, copies, groups):
+def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
     """Make the artist's Render Layers node the first pass, and give its users the recombined picture for its image."""
     users = [link.to_socket for link in first.outputs["Image"].links]
     first[_SOURCE] = first.layer
@@ -106,13 +107,13 @@ def _added(tree, kind: str, beside, column: float, row: float):
     return node
 
 
-def write_matrices(scene, matrices):
+def write_matrices(scene, matrices: np.ndarray) -> None:
     """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination."""
     for tree in {node.node_tree for node in recombinations(scene)}:
         node_groups.write_recombination(tree, _as_rendered(scene, matrices))
 
 
-def rename(scene, before: str, after: str):
+def rename(scene, before: str, after: str) -> None:
     """Follow a light group that got a new name on the view layers: sockets, and the passes that feed them."""
     tree = scene.compositing_node_group
     fed = []  # Render Layers node, the node that it feeds, and by which input
@@ -134,7 +135,7 @@ def rename(scene, before: str, after: str):
         tree.links.new(render.outputs[light_pass(after)], node.inputs[name])
 
 
-def _as_rendered(scene, matrices):
+def _as_rendered(scene, matrices: np.ndarray) -> np.ndarray:
     """Matrices for the images that the scene composites: a render's last may hold all light, Relume's files' never."""
     rows, own = scene.relume.lit, scene.relume.exr and properties.STOCK not in scene
     return for_passes(matrices) if not own and rows[-1].name == EVERYTHING_ELSE else matrices
@@ -155,7 +156,7 @@ def _users(picture):
             yield link.to_socket
 
 
-def remove(scene):
+def remove(scene) -> None:
     """Give the compositing back as it was."""
     tree = scene.compositing_node_group
     if tree is None:
@@ -180,7 +181,7 @@ def remove(scene):
             bpy.data.node_groups.remove(tree)
 
 
-def compare(scene, matrices):
+def compare(scene, matrices: np.ndarray) -> None:
     """Show the picture of other (groups, 3, p) matrices right of a line that `move_wipe` moves."""
     end_comparison(scene)
     tree = scene.compositing_node_group
@@ -217,7 +218,7 @@ def compare(scene, matrices):
     move_wipe(scene, scene.relume.wipe)
 
 
-def move_wipe(scene, position: float):
+def move_wipe(scene, position: float) -> None:
     """Move the line of a comparison to a part, 0 to 1, of the picture's width; without a comparison, does nothing."""
     tree = scene.compositing_node_group
     for node in tree.nodes if tree else ():
@@ -225,7 +226,7 @@ def move_wipe(scene, position: float):
             node.inputs[1].default_value = position
 
 
-def end_comparison(scene):
+def end_comparison(scene) -> None:
     """Show only the mixer's own picture again."""
     tree = scene.compositing_node_group
     added = [node for node in tree.nodes if _COMPARISON in node] if tree else []

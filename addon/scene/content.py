@@ -22,29 +22,29 @@ _LEAST = 0.1  # of the picture: what colours count for together, however small t
 def content_of(scene) -> plan.Content:
     """The surfaces of a scene, each with its part of the picture, its lights, and what they may be switched to."""
     found, groups = inventory.take(scene), lights.light_groups_of(scene)
-    shadings, lamps = sockets.shadings_of(found)[0], lights.colors_of(found.lights)
+    shadings, lamps = sockets.shadings_of(found)[0], lights.colours_of(found.lights)
     temperatures = lights.temperatures_of(groups, lamps, shadings)
     kelvin = {s.owner: temperatures.get(lights.group_of(s, groups)) for s in shadings if temperatures}
 
-    measured, colors, textures = {}, Counter(), 0.0
+    measured, colours, textures = {}, Counter(), 0.0
     for sources, seen in _parts(scene, found, lamps, kelvin):
         for source in sources:
             share = seen / len(sources)
             if source is None:
                 textures += share
             elif isinstance(source, tuple):
-                colors[source] += share
+                colours[source] += share
             else:
                 measured[source.name] = (source, share + measured.get(source.name, (source, 0.0))[1])
-    greys = sum(share for color, share in colors.items() if is_grey(color))
-    known = textures + colors.total() - greys + sum(share for _, share in measured.values())
+    greys = sum(share for colour, share in colours.items() if is_grey(colour))
+    known = textures + colours.total() - greys + sum(share for _, share in measured.values())
     if known and greys * _LEAST > known * (1 - _LEAST):
         scale = known * (1 - _LEAST) / (greys * _LEAST)
-        colors = Counter({c: share * scale if is_grey(c) else share for c, share in colors.items()})
+        colours = Counter({c: share * scale if is_grey(c) else share for c, share in colours.items()})
     return plan.Content(
         reflectances=[spectrum for spectrum, _ in measured.values()],
-        colors=list(colors),
-        shares=[*(share for _, share in measured.values()), *colors.values()],
+        colours=list(colours),
+        shares=[*(share for _, share in measured.values()), *colours.values()],
         textures=textures,
         lights=_illuminants(scene, groups, temperatures),
         choices=_choices(scene.relume.switching),
@@ -54,7 +54,7 @@ def content_of(scene) -> plan.Content:
     )
 
 
-def _parts(scene, found, lamps: dict, kelvin: dict):
+def _parts(scene, found: inventory.Inventory, lamps: dict, kelvin: dict):
     """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
     seen = _shares(scene, found)
     for owner, share in seen.items():
@@ -64,9 +64,9 @@ def _parts(scene, found, lamps: dict, kelvin: dict):
         sources = sources_of(owner, kelvin.get(owner))
         if owner != found.world:
             sources += _lamp_sources(owner, lamps.get(owner), kelvin.get(owner))
-        colored = [source for source in sources if not is_grey(source)]
-        if colored:
-            yield colored, seen.total() / len(shining)
+        coloured = [source for source in sources if not is_grey(source)]
+        if coloured:
+            yield coloured, seen.total() / len(shining)
 
 
 def _lamp_sources(light, lamp, kelvin: float | None) -> list:
@@ -98,7 +98,7 @@ def _choices(switching: str) -> list:
     return [library.illuminant(name) for name in _COMMON] if switching == "COMMON" else []
 
 
-def _shares(scene, found) -> Counter:
+def _shares(scene, found: inventory.Inventory) -> Counter:
     """How many of a grid of camera rays hit each material, or the world (None: no material); each used material at
     least a little, for it lights what is seen."""
     shares = Counter()
@@ -114,7 +114,7 @@ def _shares(scene, found) -> Counter:
     return shares
 
 
-def _materials_at(found, thing, face: int, matrix) -> list:
+def _materials_at(found: inventory.Inventory, thing, face: int, matrix) -> list:
     """The material of a face of an evaluated object; where Geometry Nodes made an instance of it, all that they may
     have given it."""
     slots = [slot.material and slot.material.original for slot in thing.material_slots]

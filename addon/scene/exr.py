@@ -1,6 +1,7 @@
 """Relighting a rendered coefficient EXR, or a sequence of them, in Blender's compositor, without the scene."""
 
 import json
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import bpy
 from ...core.errors import CoefficientImageError, RelumeError
 from ...core.picture import coefficients, description, sequences
 from ...core.picture.blender_exr import light_pass
+from ...core.picture.coefficients import CoefficientImage
 from ..graph import node_groups, nodes
 from ..store import mixer, properties
 from . import setup
@@ -42,7 +44,7 @@ def _found(path: Path) -> tuple:
 
 
 @contextmanager
-def _all_or_nothing(path: Path):
+def _all_or_nothing(path: Path) -> Iterator[None]:
     """While it is entered, data-blocks are made; if it fails they go again, and Blender's errors get words."""
     kept = [(collection, set(collection)) for collection in (bpy.data.scenes, bpy.data.images, bpy.data.node_groups)]
     try:
@@ -76,7 +78,7 @@ def new_scene(path: Path):
     return scene
 
 
-def _remember(scene, files: dict[int, Path], path: Path, image, described):
+def _remember(scene, files: dict[int, Path], path: Path, image: CoefficientImage, described) -> None:
     scene.relume.exr = str(path)
     if described is not None:
         scene[STOCK] = description.to_json(described)
@@ -85,7 +87,7 @@ def _remember(scene, files: dict[int, Path], path: Path, image, described):
     scene.frame_start, scene.frame_end = min(files), max(files)
 
 
-def point_at(scene, path: Path):
+def point_at(scene, path: Path) -> None:
     """Point a scene that `new_scene` made at another EXR or sequence; the mixer stays.
 
     Raises CoefficientImageError for a file of other light groups or channels, SequenceError; the scene is then
@@ -140,7 +142,7 @@ def read_current(scene) -> coefficients.CoefficientImage:
     return coefficients.read(current_file(scene), described)
 
 
-def _fill_mixer(settings, image):
+def _fill_mixer(settings, image: CoefficientImage) -> None:
     for group, illuminant in image.illuminants.items():
         row = settings.light_groups.add()
         row["name"] = group
@@ -165,7 +167,7 @@ def _load(files: dict[int, Path], path: Path):
     return picture
 
 
-def _show(node, picture, files: dict[int, Path]):
+def _show(node, picture, files: dict[int, Path]) -> None:
     node.image = picture
     if len(files) > 1:
         node.frame_start, node.frame_offset = min(files), min(files) - 1
@@ -173,7 +175,7 @@ def _show(node, picture, files: dict[int, Path]):
         node.use_auto_refresh = True
 
 
-def _composite(scene, picture, files, image, described):
+def _composite(scene, picture, files, image: CoefficientImage, described) -> None:
     tree = bpy.data.node_groups.new("Relume Relight", "CompositorNodeTree")
     tree[nodes.ROLE] = "compositing"
     tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")

@@ -4,7 +4,7 @@ import bpy
 
 from ...core.errors import SetupError
 from ..graph import lights
-from ..host import animation, denoising
+from ..host import animation, denoising, inventory
 from ..store.remarks import Remark
 from . import rows
 
@@ -17,7 +17,7 @@ _MISSING = "its library {} cannot be found: nothing of it is rendered"
 _BARE = "no object is in this view layer: its collections are excluded, or hidden in renders"
 
 
-def check(scene):
+def check(scene) -> None:
     """Raises SetupError where a scene cannot be rendered, with one sentence that says why."""
     camera = scene.camera
     if scene.library is not None:
@@ -36,25 +36,25 @@ def check(scene):
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")
 
 
-def remarks_on(scene, found) -> list[Remark]:
+def remarks_on(scene, found: inventory.Inventory) -> list[Remark]:
     """What a scene whose inventory is `found` goes without."""
-    told = []
+    faulty = []
     if scene.cycles.use_denoising and not denoising.available():
-        told.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
+        faulty.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
     for layer in scene.view_layers:
         if layer.use and all(thing.hide_render or thing.type == "CAMERA" for thing in layer.objects):
-            told.append(Remark(layer.name, "", _BARE))
+            faulty.append(Remark(layer.name, "", _BARE))
     for block in found.blocks:
         if block.is_missing:
-            told.append(Remark(block.name, "", _MISSING.format(block.library.filepath)))
+            faulty.append(Remark(block.name, "", _MISSING.format(block.library.filepath)))
     for block in [*found.blocks, *_embedded(found.blocks)]:
-        told += [Remark(block.name, path, _BROKEN) for path in animation.broken(block)]
+        faulty += [Remark(block.name, path, _BROKEN) for path in animation.broken(block)]
     named = sorted({thing.lightgroup for thing in found.objects})
-    told += [Remark(name, "", why) for name in named if (why := lights.why_unusable(name))]
-    return told + [Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
+    faulty += [Remark(name, "", why) for name in named if (why := lights.why_unusable(name))]
+    return faulty + [Remark(name, "", _UNLIT) for name in rows.unlit(scene)]
 
 
-def _embedded(blocks):
+def _embedded(blocks) -> list:
     """The node trees that are no data-blocks of their own."""
     trees = (getattr(block, "node_tree", None) for block in blocks)
     return [tree for tree in trees if isinstance(tree, bpy.types.NodeTree) and tree.is_embedded_data]

@@ -87,7 +87,7 @@ def add(scene, name: str, things: list) -> int:
     return len(chosen)
 
 
-def _assign(scene, assigned: list[tuple[str, list]]):
+def _assign(scene, assigned: list[tuple[str, list]]) -> None:
     """Put things into groups, and let new rows of the mixer start as the old ones of their first member were."""
     settings, lit = scene.relume, set(lights.light_groups_of(scene))
     known = mixer.choices(settings)

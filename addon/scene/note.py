@@ -5,6 +5,7 @@ import json
 
 import bpy
 
+from ...core.picture.coefficients import CoefficientImage
 from ..store import mixer, properties
 from . import view_layers
 
@@ -14,7 +15,7 @@ _OFF = "relume_note_off"  # on a scene: the artist's own renders carry no note
 _OF = "relume_note_of"  # on a scene: a checksum of all that its note was made of
 
 
-def made(scene, image, animated: bool = False) -> tuple:
+def made(scene, image: CoefficientImage, animated: bool = False) -> tuple:
     """(the `core.note.Note` of a scene that is set up, whether it needs spectra that only a sidecar has).
 
     image: what `render.described` says of the scene. animated: the mix is that of this frame alone.
@@ -72,7 +73,7 @@ def is_current(scene, animated: bool = False) -> bool:
     return scene.get(_OF) == _sources(scene, animated)
 
 
-def write(scene, image, animated: bool = False):
+def write(scene, image: CoefficientImage, animated: bool = False) -> None:
     """Have a scene's renders say how they are relit, behind what the artist notes. Changes only what differs.
 
     A scene that burns metadata into its picture gets none: it would stand there.
@@ -89,7 +90,7 @@ def write(scene, image, animated: bool = False):
     scene[_OF] = _sources(scene, animated)
 
 
-def remove(scene):
+def remove(scene) -> None:
     """Give the artist's own note back."""
     settings = scene.render
     if "relume" in settings.stamp_note_text:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -90,7 +90,7 @@ def described(scene) -> CoefficientImage:
 
 
 @contextmanager
-def _storing_guides(layers):
+def _storing_guides(layers) -> Iterator[None]:
     """While it lasts, these view layers store what the denoiser looks at."""
     before = [layer.cycles.denoising_store_passes for layer in layers]
     for layer in layers:
@@ -102,7 +102,7 @@ def _storing_guides(layers):
             layer.cycles.denoising_store_passes = stored
 
 
-def _render_to(scene, path: Path):
+def _render_to(scene, path: Path) -> None:
     """Render all view layers into a multilayer EXR, without the compositor, and put the output settings back."""
     output = scene.render.image_settings
     # In braces Blender's output path names what it fills in
@@ -130,27 +130,27 @@ def _render_to(scene, path: Path):
 
 
 class _Progress:
-    """While it is entered, tells how far the render is: Cycles says the sample, and begins at one in every pass."""
+    """While it is entered, reports how far the render is: Cycles says the sample, and begins at one in every pass."""
 
     _SAMPLE = re.compile(r"Sample (\d+)/(\d+)")
 
-    def __init__(self, tell: Callable[[int, float], None] | None):
-        self.tell, self.index, self.sample = tell, 0, 0
+    def __init__(self, report: Callable[[int, float], None] | None) -> None:
+        self.report, self.index, self.sample = report, 0, 0
 
-    def __call__(self, words, _):
+    def __call__(self, words, _) -> None:
         found = self._SAMPLE.search(words or "")
         if found:
             sample, samples = map(int, found.groups())
             self.index += sample < self.sample
             self.sample = sample
-            self.tell(self.index, sample / samples)
+            self.report(self.index, sample / samples)
 
-    def __enter__(self):
-        if self.tell:
+    def __enter__(self) -> None:
+        if self.report:
             bpy.app.handlers.render_stats.append(self)
 
-    def __exit__(self, *_):
-        if self.tell:
+    def __exit__(self, *_) -> None:
+        if self.report:
             bpy.app.handlers.render_stats.remove(self)
 
 
@@ -168,13 +168,13 @@ def _view_of(scene) -> dict:
     }
 
 
-def picture(image: CoefficientImage, lights: dict[str, Light], white_balance: float | None = None):
+def picture(image: CoefficientImage, lights: dict[str, Light], white_balance: float | None = None) -> np.ndarray:
     """(height, width, 3) linear picture with a light for each group; the image's own white balance if none is given."""
     matrices = recombination.recombination_matrices(image.model, image.mix(lights, white_balance))
     return coefficients.recombine(list(image.groups.values()), matrices)
 
 
-def _show(scene, chosen: Mapping[str, object]):
+def _show(scene, chosen: Mapping[str, object]) -> None:
     """Have a scene show pictures as `CoefficientImage.view` says. Raises CoefficientImageError."""
     for name, value in {"display_device": "sRGB", "view_transform": "Standard", **chosen}.items():
         try:
@@ -186,7 +186,7 @@ def _show(scene, chosen: Mapping[str, object]):
             ) from None
 
 
-def check_view(path: Path, image: CoefficientImage):
+def check_view(path: Path, image: CoefficientImage) -> None:
     """Raise CoefficientImageError that names the EXR where this Blender cannot show its picture as it was rendered."""
     scene = bpy.data.scenes.new("Relume view")
     try:
@@ -200,7 +200,7 @@ def check_view(path: Path, image: CoefficientImage):
 FORMATS = {".png": ("PNG", "16"), ".tif": ("TIFF", "16"), ".tiff": ("TIFF", "16"), ".exr": ("OPEN_EXR", "32")}
 
 
-def save_picture(path: Path, rgb, image: CoefficientImage):
+def save_picture(path: Path, rgb: np.ndarray, image: CoefficientImage) -> None:
     """Save a linear picture as Blender would: PNG and TIFF through the scene's view transform, EXR linear.
 
     The file appears whole or not at all. Raises ResultError when it cannot be written, UsageError for another

@@ -15,7 +15,7 @@ _SOON = 0.1  # seconds
 _waiting = {}  # scene's session_uid: the engine it is to get
 
 
-def _changed(scene):
+def _changed(scene) -> list[tuple]:
     """(owner, its name in the note, property, value for coefficient passes) of each setting that set-up changes."""
     return [
         (scene.render, "render", "engine", "CYCLES"),
@@ -27,7 +27,7 @@ def _changed(scene):
     ]
 
 
-def keep(scene):
+def keep(scene) -> None:
     """Note the scene's own settings and put those that coefficient passes need."""
     own_engine = _waiting.pop(scene.session_uid, scene.render.engine)
     scene[_BEFORE] = {
@@ -42,7 +42,7 @@ def keep(scene):
         _put(struct, name, value)
 
 
-def drive(scene, otherwise: dict[str, int]):
+def drive(scene, otherwise: dict[str, int]) -> None:
     """Have settings of Cycles follow the pass that is rendered: {its name: the value outside of passes}."""
     scene[_BEFORE]["driven"] = " ".join(otherwise)
     for name, value in otherwise.items():
@@ -51,7 +51,7 @@ def drive(scene, otherwise: dict[str, int]):
         scene.cycles.use_sample_subset = True
 
 
-def compare(scene):
+def compare(scene) -> None:
     """Let renders of a scene for several models differ by the models alone, and not by their noise.
 
     One seed for all passes; and Cycles ends paths and leaves out lamps with a probability that depends on a channel's
@@ -61,14 +61,14 @@ def compare(scene):
     scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
 
 
-def stop_noise(scene, count: int):
+def stop_noise(scene, count: int) -> None:
     """Let adaptive sampling stop each of `count` passes where the picture of all is as clean as the artist asked."""
     own = (getattr(scene.cycles, name) for name in (*_ADAPTIVE, "samples"))
     for name, value in zip(_ADAPTIVE, sampling.adaptive(*own, count), strict=True):
         setattr(scene.cycles, name, value)
 
 
-def give_back(scene):
+def give_back(scene) -> None:
     """Put the settings back that `keep` noted; does nothing where there are none."""
     if _BEFORE not in scene:
         return
@@ -91,7 +91,7 @@ def is_previewing() -> bool:
     return bpy.app.is_job_running("RENDER_PREVIEW")
 
 
-def _put(struct, name: str, value):
+def _put(struct, name: str, value) -> None:
     """Change a setting; another engine has to wait while Cycles renders the preview of a material.
 
     Blender ends previews before it changes the engine. It waits for them where Python cannot run, and Cycles ends in
@@ -109,7 +109,7 @@ def _put(struct, name: str, value):
             struct.engine = value
 
 
-def change_engines():
+def change_engines() -> float | None:
     """Give scenes the engines they wait for, once no preview is rendered."""
     if _waiting and is_previewing():
         return _SOON

@@ -4,6 +4,7 @@ Rows are members of a collection, which animation knows by their numbers: it fol
 """
 
 import json
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 
 from ...core.errors import SetupError
@@ -62,11 +63,11 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
     return names
 
 
-def _note_members(scene, members: dict):
+def _note_members(scene, members: dict) -> None:
     scene[_MEMBERS] = json.dumps(members, ensure_ascii=False)
 
 
-def _follow_renames(settings, before: dict, now: dict):
+def _follow_renames(settings, before: dict, now: dict) -> None:
     group_of = {thing: group for group, things in now.items() for thing in things}
     followed = {}
     for row in settings.light_groups:
@@ -82,14 +83,14 @@ def _follow_renames(settings, before: dict, now: dict):
         _rename(settings, gone[0], new[0])
 
 
-def _rename(settings, before: str, after: str):
+def _rename(settings, before: str, after: str) -> None:
     """Give a row a new name."""
     settings.light_groups[before]["name"] = after
     renamed(settings, before, after)
 
 
-def renamed(settings, before: str, after: str):
-    """Follow a row that got a new name in all that knows it by its name."""
+def renamed(settings, before: str, after: str) -> None:
+    """Rename a row in everything that knows it by its name."""
     scene = settings.id_data
     if before in (members := members_of(scene)):
         _note_members(scene, {after if name == before else name: things for name, things in members.items()})
@@ -109,8 +110,8 @@ def _renamed_pixel(picked: str, before: str, after: str) -> str:
     return json.dumps(named) if before in groups else picked
 
 
-def _rename_in(snapshot, before: str, after: str):
-    """Follow a light group that got a new name in a snapshot, if that knows it. Raises nothing: a damaged one stays."""
+def _rename_in(snapshot, before: str, after: str) -> None:
+    """Rename a light group in a snapshot that has it. Never raises: a damaged snapshot stays as it is."""
     with suppress(SetupError):
         kept = schema.snapshot(snapshot.mix)
         groups, balance = kept["light_groups"], kept["balance"]
@@ -128,7 +129,7 @@ def unlit(scene) -> list[str]:
     return [row.name for row in scene.relume.light_groups if not row.is_lit]
 
 
-def discard(scene, names):
+def discard(scene, names: Collection[str]) -> None:
     """Remove rows, whatever was chosen in them."""
     rows = scene.relume.light_groups
     with _followed_by_animation(scene.relume):
@@ -137,7 +138,7 @@ def discard(scene, names):
                 rows.remove(rows.find(name))
 
 
-def forget_untouched(scene):
+def forget_untouched(scene) -> None:
     """Drop the rows in which the artist chose nothing; what was chosen is there when the scene is set up again."""
     settings, rows = scene.relume, scene.relume.light_groups
     with _followed_by_animation(settings):
@@ -164,22 +165,22 @@ def _is_kept(scene, index: int) -> bool:
     return mixer.is_touched(row) or animation.acts_on(scene, path)
 
 
-def mark(settings):
-    """Note in every row where it stands and how it is called, for `put_back` and for when the set-up is removed."""
+def mark(settings) -> None:
+    """Note in every row its place and its name, for `put_back` and for when the set-up is removed."""
     for number, row in enumerate(settings.light_groups):
         if not settings.is_set_up:
             row[_PLACE] = number
         row[_WAS] = json.dumps([number, row.name])
 
 
-def settle(settings):
+def settle(settings) -> None:
     """Forget what `mark` noted."""
     for row in settings.light_groups:
         if _WAS in row:
             del row[_WAS]
 
 
-def put_back(settings):
+def put_back(settings) -> None:
     """Give the rows the order and the names that they had at `mark`."""
     rows = settings.light_groups
     marked = {}
@@ -195,7 +196,7 @@ def put_back(settings):
 
 
 @contextmanager
-def _followed_by_animation(settings):
+def _followed_by_animation(settings) -> Iterator[None]:
     """While it lasts rows may come, go and change places, but keep their names."""
     before = [row.name for row in settings.light_groups]
     try:

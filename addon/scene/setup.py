@@ -1,14 +1,16 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
+from collections.abc import Callable, Iterable
 
 import bpy
+import numpy as np
 
 from ...core.errors import RelumeError, SetupError
 from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination, sampling
-from ...core.picture.mix import Mix
+from ...core.picture.mix import Light, Mix
 from ..graph import glass, lights, nodes, sockets, spectra
 from ..host import animation, interruption, inventory
 from ..store import mixer, mixes, properties, remarks, schema
@@ -31,7 +33,7 @@ __all__ = [
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 
 
-def set_up(scene, model: FactorModel | None = None):
+def set_up(scene, model: FactorModel | None = None) -> None:
     """Make a scene spectral: colours, lamps, passes, preview and compositing, for `model` or the scene's channels.
 
     A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
@@ -79,7 +81,7 @@ def _plan_of(scene) -> dict:
     return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
 
 
-def _give_back(scenes, before: dict) -> str:
+def _give_back(scenes: list, before: dict) -> str:
     """Make scenes what they were before `set_up` began; returns the names of those where that failed."""
     lost = []
     for each in scenes:
@@ -98,7 +100,7 @@ def _give_back(scenes, before: dict) -> str:
     return ", ".join(lost)
 
 
-def _put_in(scene, model: FactorModel, members: dict, let_through=lambda: None):
+def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
     """members: what shone in each light group at the set-up before. let_through: called where Ctrl-C may come."""
     groups = rows.sync(scene, members)
     render_settings.keep(scene)
@@ -108,7 +110,7 @@ def _put_in(scene, model: FactorModel, members: dict, let_through=lambda: None):
     spectra.update_all(model)
     glass.update_all(model)
     let_through()
-    _convert_colors(scene, groups, model)
+    _convert_colours(scene, groups, model)
     let_through()
     view_layers.add(scene, model, groups, _share_samples(scene, model))
     let_through()
@@ -143,15 +145,15 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     return sampling.independent(model.passes, samples, cycles.seed)
 
 
-def _convert_colors(scene, groups: list[str], model: FactorModel):
+def _convert_colours(scene, groups: list[str], model: FactorModel) -> None:
     """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
     found = inventory.take(scene)
     about_scene = faults.remarks_on(scene, found)
-    lamps, about_lamps = lights.take_colors(found.lights)
+    lamps, about_lamps = lights.take_colours(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
-    about_colors = sockets.convert(shadings, model.channels, shining.convert)
-    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colors])
+    about_colours = sockets.convert(shadings, model.channels, shining.convert)
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colours])
     first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
     fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
     scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
@@ -159,7 +161,7 @@ def _convert_colors(scene, groups: list[str], model: FactorModel):
         row["illuminant"] = first[row.name]
 
 
-def _take_back_illuminants(scene):
+def _take_back_illuminants(scene) -> None:
     """Unset the illuminants that set-up put into the mixer, where the artist chose no other."""
     given = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
     for row in scene.relume.light_groups:
@@ -174,7 +176,7 @@ def lighting(scene) -> Mix:
     return mixes.of(scene.relume, scene.relume.model())
 
 
-def _write_lighting(scene, mix: Mix):
+def _write_lighting(scene, mix: Mix) -> None:
     """Write a mix into the compositor and the preview: numbers only, and only those that changed."""
     model = scene.relume.model()
     compositing.write_matrices(scene, recombination.recombination_matrices(model, mix))
@@ -185,7 +187,7 @@ def _write_lighting(scene, mix: Mix):
             view_layers.write_view(layer, shown)
 
 
-def _draw_swatches(scene, lights):
+def _draw_swatches(scene, lights: Iterable[Light]) -> None:
     """Keep with each row what its icon shows, so that the panel has to compute nothing."""
     for row, light in zip(scene.relume.lit, lights, strict=True):
         curve = drawing.curve(light.illuminant).tolist()
@@ -194,8 +196,8 @@ def _draw_swatches(scene, lights):
             row["swatch"] = drawing.swatch(light.illuminant).tolist()
 
 
-def relight(scene):
-    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture and is told.
+def relight(scene) -> None:
+    """Show what the mixer now says. A mix that cannot be shown changes nothing in the picture: the panel says why.
 
     Never raises: Blender calls it while a property changes.
     """
@@ -213,13 +215,13 @@ def relight(scene):
     scene.update_tag()
 
 
-def matrices_of(scene, snapshot: dict):
+def matrices_of(scene, snapshot: dict) -> np.ndarray:
     """(groups, 3, p) recombination matrices of a mix that `schema.snapshot` read. Raises RelumeError."""
     model = scene.relume.model()
     return recombination.recombination_matrices(model, mixes.at(scene.relume, snapshot, model))
 
 
-def follow(scene, said: dict):
+def follow(scene, said: dict) -> None:
     """Show what `mixer.choices` said, of a frame of an animation. Never raises."""
     try:
         groups = [row.name for row in scene.relume.lit]
@@ -228,17 +230,17 @@ def follow(scene, said: dict):
         scene.relume["problem"] = str(error)
 
 
-def set_up_afresh(scene):
+def set_up_afresh(scene) -> None:
     """Set a scene up again after its light groups changed: with the model that it has."""
     chosen = _plan_of(scene)
     set_up(scene, scene.relume.model())
     scene[properties.PLAN] = chosen
 
 
-def remove(scene):
+def remove(scene) -> None:
     """Give the scene back as it was before `set_up`; does nothing to a scene that is not set up.
 
-    What stops it, Ctrl-C too, comes through when it is done all the same. Raises SetupError.
+    An exception or Ctrl-C on the way is raised once it is done all the same. Raises SetupError.
     """
     schema.check(scene)
     with interruption.held_back(), mixer.quiet():
@@ -249,12 +251,12 @@ def remove(scene):
             raise
 
 
-def _remove(scene):
+def _remove(scene) -> None:
     _take_out(scene)
     rows.forget_untouched(scene)
 
 
-def _take_out(scene):
+def _take_out(scene) -> None:
     """Take the set-up out of a scene, but for the rows of its mixer; that it is set up is forgotten last."""
     compositing.remove(scene)
     note.remove(scene)

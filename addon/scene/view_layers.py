@@ -6,6 +6,7 @@ with Attribute nodes of type View Layer (`node_groups.view_group`).
 
 import bpy
 
+from ...core.model.factor_model import FactorModel
 from ...core.picture import recombination
 from ...core.picture.sampling import Sampling
 
@@ -39,12 +40,12 @@ def preview_layers(scene) -> list:
     return [layer for layer in scene.view_layers if _SOURCE in layer and _PASS not in layer]
 
 
-def write_view(layer, numbers: recombination.ViewLayerNumbers):
+def write_view(layer, numbers: recombination.ViewLayerNumbers) -> None:
     """Write what the shaders read into the custom properties of a view layer."""
     values = {"relume_on": 1.0}
     values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
     values |= {f"relume_w{i}": column for i, column in enumerate(numbers.spectrum.T.tolist())}
-    values |= {f"relume_light{i}": color for i, color in enumerate(numbers.lights.tolist())}
+    values |= {f"relume_light{i}": colour for i, colour in enumerate(numbers.lights.tolist())}
     for key, value in values.items():
         if layer.get(key) is None or not _same(layer[key], value):
             layer[key] = value
@@ -81,13 +82,13 @@ def source_names(scene) -> dict[str, str]:
     return {layer[_SOURCE]: layer.name for layer in preview_layers(scene)}
 
 
-def _keep_only_light_passes(layer):
+def _keep_only_light_passes(layer) -> None:
     for name in layer.bl_rna.properties.keys():
         if name.startswith("use_pass_") and name != "use_pass_combined" and getattr(layer, name) is True:
             setattr(layer, name, False)
 
 
-def add(scene, model, groups: list[str], sampling: Sampling):
+def add(scene, model: FactorModel, groups: list[str], sampling: Sampling) -> None:
     """Add the coefficient passes of every view layer of the artist's that is rendered; these then show the preview.
 
     groups: light groups, in the order of the mixer.
@@ -114,7 +115,7 @@ def add(scene, model, groups: list[str], sampling: Sampling):
         source.use = False
 
 
-def remove(scene):
+def remove(scene) -> None:
     """Take away the coefficient passes and what the artist's view layers carried."""
     for layers in pass_layers(scene).values():
         for layer in layers:
@@ -127,7 +128,7 @@ def remove(scene):
             del layer[key]
 
 
-def drive(scene, name: str, otherwise: int):
+def drive(scene, name: str, otherwise: int) -> None:
     """Give each coefficient pass its own value of a setting of `scene.cycles`; other view layers have `otherwise`."""
     driver = scene.driver_add(f"cycles.{name}").driver
     variable = driver.variables.new()

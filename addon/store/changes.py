@@ -1,4 +1,4 @@
-"""Who follows when something that is kept changes: the store itself calls nobody above it; `handlers` wires them."""
+"""What happens when something that is kept changes: the store itself calls nobody above it; `handlers` wires them."""
 
 from collections.abc import Callable
 
@@ -12,17 +12,17 @@ WIPE = "wipe"  # (scene, position): where a comparison is divided
 _followers: dict[str, Callable] = {}
 
 
-def follow(change: str, function: Callable):
-    """From now on `function` is called at each change of that kind, with what is said of it above."""
+def follow(change: str, function: Callable) -> None:
+    """Call `function` at each change of that kind from now on, with the arguments listed above."""
     _followers[change] = function
 
 
-def forget():
-    """From now on nobody follows."""
+def forget() -> None:
+    """Call nothing from now on."""
     _followers.clear()
 
 
-def tell(change: str, *about):
-    """Call who follows that change, and return what it returns; None where nobody does."""
+def tell(change: str, *about) -> object:
+    """Call the function that follows that change and return what it returns; None where there is none."""
     follower = _followers.get(change)
     return follower(*about) if follower else None

@@ -4,6 +4,7 @@ The names of properties are stored in files and in animations: do not rename the
 """
 
 import json
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 
@@ -12,6 +13,10 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from bpy.types import PropertyGroup
 
 from ...core.errors import RelumeError
+from ...core.picture import mixing
+from ...core.picture.mix import Light
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum, SpectrumError
 from . import changes
 
 __all__ = [
@@ -59,7 +64,7 @@ _quiet = 0
 
 
 @contextmanager
-def quiet():
+def quiet() -> Iterator[None]:
     """While it is entered, changed properties do not change the picture."""
     global _quiet
     _quiet += 1
@@ -70,37 +75,31 @@ def quiet():
 
 
 def is_quiet() -> bool:
-    """Whether the mixer is being written, so that what it says now is not yet to be shown."""
+    """Whether the mixer is being written: what it says now is not to be shown yet."""
     return _quiet > 0
 
 
-def mix_changed(self, context):
+def mix_changed(self, context) -> None:
     """Update of every property that the picture depends on."""
     if not _quiet:
         changes.tell(changes.MIX, self.id_data)
 
 
 @lru_cache(maxsize=256)
-def stored_spectrum(text: str):
+def stored_spectrum(text: str) -> Spectrum:
     """The Spectrum that a property holds as JSON. Raises SpectrumError."""
-    from ...core.spectra.spectrum import Spectrum, SpectrumError
-
     if not text:
         raise SpectrumError("no file has been read yet: choose one")
     return Spectrum.from_dict(json.loads(text))
 
 
-def part_spectrum(name: str, measured: str = ""):
+def part_spectrum(name: str, measured: str = "") -> Spectrum:
     """The spectrum of a part of a blend: its own where it has one, as JSON, or that of a name."""
-    from ...core.spectra import library
-
     return stored_spectrum(measured) if measured else library.illuminant(name)
 
 
 def _file_chosen(self, context):
     """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
-    from ...core.spectra import files
-
     if _quiet or not self.path:
         return
     try:
@@ -112,7 +111,7 @@ def _file_chosen(self, context):
     mix_changed(self, context)
 
 
-def _source_chosen(self, context):
+def _source_chosen(self, context) -> None:
     """A blend starts with what shone before, and daylight."""
     if self.source == "BLEND" and not self.blend and not _quiet:
         with quiet():
@@ -122,7 +121,7 @@ def _source_chosen(self, context):
     mix_changed(self, context)
 
 
-def _renamed(self, new, current, is_set):
+def _renamed(self, new: str, current: str, is_set: bool) -> str:
     """Give the light group itself the new name; it comes back as Blender can use it."""
     given = changes.tell(changes.LIGHT_GROUP_RENAMED, self.id_data, current, new) if current else None
     return new if given is None else given
@@ -228,15 +227,11 @@ class LightGroup(PropertyGroup):
 
     @property
     def gain(self) -> float:
-        """Brightness as a multiple of what was rendered, 0 where the group is mute; solo is not looked at."""
-        from ...core.picture import mixing
-
+        """Brightness as a multiple of what was rendered, 0 where the group is mute; solo does not count."""
         return 0.0 if self.mute else mixing.gain(self.stops)
 
     @gain.setter
-    def gain(self, value: float):
-        from ...core.picture import mixing
-
+    def gain(self, value: float) -> None:
         with quiet():
             self.mute = value == 0.0
             if value != 0.0:
@@ -245,7 +240,7 @@ class LightGroup(PropertyGroup):
 
     @property
     def origin(self) -> str:
-        """The file that was read, and how where it does not stand there so; "" if none was."""
+        """The file that was read, and what was read otherwise than it stands there; "" if none was."""
         try:
             return stored_spectrum(self.measured).source
         except RelumeError:
@@ -266,14 +261,12 @@ class LightGroup(PropertyGroup):
             return f"Blend of {len(self.blend)}"
         return self.illuminant
 
-    def spectrum(self):
+    def spectrum(self) -> Spectrum:
         """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
         return spectrum_of(choice(self))
 
-    def light(self):
+    def light(self) -> Light:
         """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
-        from ...core.picture.mix import Light
-
         return Light(self.spectrum(), self.gain)
 
 
@@ -301,16 +294,13 @@ def choices(settings) -> dict:
 
 
 def filled(struct, kept: dict) -> dict:
-    """What was kept of a row of the mixer, or of the scene's settings; what is not in it gets its default."""
+    """What was kept of a row of the mixer, or of the scene's settings, with the default of whatever it lacks."""
     names, blend = (_ROW, {"blend": kept.get("blend", [])}) if isinstance(struct, LightGroup) else (BALANCE, {})
     return {name: kept.get(name, struct.bl_rna.properties[name].default) for name in names} | blend
 
 
-def spectrum_of(said: dict):
-    """What shines where a row says that, as a Spectrum. Raises LibraryError, SpectrumError."""
-    from ...core.picture import mixing
-    from ...core.spectra import library
-
+def spectrum_of(said: dict) -> Spectrum:
+    """The Spectrum that a row, as `choice` gives it, stands for. Raises LibraryError, SpectrumError."""
     if said["source"] == "FILE":
         return stored_spectrum(said["measured"])
     if said["source"] == "BLEND":
@@ -327,7 +317,7 @@ def _blend(row) -> list:
 def apply(settings, chosen: dict) -> list[str]:
     """Put back what `choices` kept; returns the names of light groups that the mixer no longer has.
 
-    What it kept not, for it is older than that property, gets its default.
+    A property that is newer than the mix gets its default.
     """
     missing = []
     with quiet():
@@ -350,7 +340,7 @@ def apply(settings, chosen: dict) -> list[str]:
     return missing
 
 
-def _set(struct, values: dict):
+def _set(struct, values: dict) -> None:
     """Set what differs: what the artist never touched stays so."""
     for name, value in values.items():
         if getattr(struct, name) != value:

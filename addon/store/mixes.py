@@ -11,6 +11,11 @@ from functools import lru_cache
 import bpy
 
 from ...core.errors import UsageError
+from ...core.model.factor_model import FactorModel
+from ...core.picture import mixing, recombination
+from ...core.picture.mix import Light, Mix
+from ...core.spectra.arrays import Array
+from ...core.spectra.spectrum import Spectrum, SpectrumError
 from . import mixer
 
 __all__ = ["FILE", "at", "of", "of_choices", "stored_observer"]
@@ -19,24 +24,22 @@ FILE = "FILE"  # the observer that was read from one
 
 
 @lru_cache(maxsize=8)
-def stored_observer(text: str):
+def stored_observer(text: str) -> tuple[Spectrum, Spectrum, Spectrum]:
     """The three Spectrum that a property holds as JSON. Raises SpectrumError."""
-    from ...core.spectra.spectrum import Spectrum, SpectrumError
-
     if not text:
         raise SpectrumError("no file of an observer or camera has been read yet: choose one")
     return tuple(Spectrum.from_dict(one) for one in json.loads(text))
 
 
-def of(settings, model=None):
+def of(settings, model: FactorModel | None = None) -> Mix:
     """The `core` Mix that the mixer of a scene says. Raises RelumeError where it cannot be shown.
 
-    settings: the scene's own, or as evaluated at a frame. model: what a white of a pixel or group is reckoned with.
+    settings: the scene's own, or as evaluated at a frame. model: what the white of a pixel or group is computed with.
     """
     return of_choices(mixer.choices(settings), [row.name for row in settings.lit], model)
 
 
-def at(settings, snapshot: dict, model):
+def at(settings, snapshot: dict, model: FactorModel) -> Mix:
     """The Mix that the mixer would say if a snapshot were applied. Raises RelumeError."""
     now, rows = mixer.choices(settings), {}
     for row in settings.light_groups:
@@ -47,11 +50,8 @@ def at(settings, snapshot: dict, model):
     return of_choices(said, [row.name for row in settings.lit], model)
 
 
-def of_choices(said: dict, groups: Sequence[str], model=None):
+def of_choices(said: dict, groups: Sequence[str], model: FactorModel | None = None) -> Mix:
     """The Mix of the light groups of that name in what `mixer.choices` said. Raises RelumeError."""
-    from ...core.picture import mixing
-    from ...core.picture.mix import Light, Mix
-
     rows, balance = [said["light_groups"][name] for name in groups], said["balance"]
     gains = mixing.gains(*([row[name] for row in rows] for name in ("stops", "solo", "mute")))
     lights = [Light(mixer.spectrum_of(row), float(gain)) for row, gain in zip(rows, gains, strict=True)]
@@ -67,11 +67,8 @@ def of_choices(said: dict, groups: Sequence[str], model=None):
     return replace(mix, white=_white(balance, mix, model)) if needs_white else mix
 
 
-def _white(balance: dict, mix, model):
+def _white(balance: dict, mix: Mix, model: FactorModel) -> Array | None:
     """(3,) XYZ of what becomes white, None for the white of the mix. Raises UsageError."""
-    from ...core.picture import recombination
-    from ...core.picture.mix import Light
-
     group = balance["white_group"]
     if balance["white_source"] == "GROUP":
         if group not in mix.lights:

@@ -8,6 +8,9 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from bpy.types import PropertyGroup
 
 from ...core.errors import RelumeError
+from ...core.model import bases
+from ...core.model.factor_model import FactorModel
+from ...core.spectra import files
 from . import changes, mixes
 from .mixer import CLASSES as MIXER_CLASSES
 from .mixer import LightGroup, Snapshot, is_quiet, mix_changed
@@ -62,24 +65,18 @@ OBSERVERS = [
 ]
 
 
-def model_for(channels: str):
+def model_for(channels: str) -> FactorModel:
     """The factor model that an entry of `CHANNELS` stands for."""
-    from ...core.model import bases
-
     return bases.named("bands", REFERENCE_BANDS) if channels == "reference" else bases.named("fitted", int(channels))
 
 
 @lru_cache(maxsize=8)
-def _model_from(text: str):
-    from ...core.model.factor_model import FactorModel
-
+def _model_from(text: str) -> FactorModel:
     return FactorModel.from_dict(json.loads(text))
 
 
-def _observer_chosen(self, context):
-    """Read the file of an observer; what cannot be used is told, and the one that was read before stays."""
-    from ...core.spectra import files
-
+def _observer_chosen(self, context) -> None:
+    """Read the file of an observer; one that cannot be used is reported, and the observer read before stays."""
     if is_quiet() or not self.observer_path:
         return
     try:
@@ -91,11 +88,11 @@ def _observer_chosen(self, context):
     mix_changed(self, context)
 
 
-def _wiped(self, context):
+def _wiped(self, context) -> None:
     changes.tell(changes.WIPE, self.id_data, self.wipe)
 
 
-def _denoising_chosen(self, _):
+def _denoising_chosen(self, _) -> None:
     if self.shades:
         changes.tell(changes.PASSES, self.id_data)
 
@@ -222,7 +219,7 @@ class SceneSettings(PropertyGroup):
         """For a scene that is set up: the `request` that it answers and, if Relume chose, the `reason`."""
         return dict(self.id_data.get(PLAN, {}))
 
-    def model(self):
+    def model(self) -> FactorModel:
         """The factor model that this scene was set up with."""
         return _model_from(self.id_data[MODEL])
 
@@ -242,7 +239,7 @@ class SceneSettings(PropertyGroup):
 
     @property
     def observer_origin(self) -> str:
-        """The file of an observer that was read, and how where it does not stand there so; "" if none was."""
+        """The file of an observer that was read, and what was read otherwise than it stands there; "" if none was."""
         try:
             return mixes.stored_observer(self.observer_measured)[0].source
         except RelumeError:
@@ -252,13 +249,13 @@ class SceneSettings(PropertyGroup):
 CLASSES = (*MIXER_CLASSES, SceneSettings)
 
 
-def register():
+def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Scene.relume = bpy.props.PointerProperty(type=SceneSettings)
 
 
-def unregister():
+def unregister() -> None:
     del bpy.types.Scene.relume
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -16,11 +16,11 @@ class Remark:
     node: str
     why: str
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self.owner}{f', {self.node}' if self.node else ''}: {self.why}"
 
 
-def write(scene, remarks: list[Remark]):
+def write(scene, remarks: list[Remark]) -> None:
     """Note the remarks of a scene's set-up, each once."""
     scene[REMARKS] = json.dumps([astuple(remark) for remark in dict.fromkeys(remarks)], ensure_ascii=False)
 
@@ -30,6 +30,6 @@ def of(scene) -> list[Remark]:
     return [Remark(*parts) for parts in json.loads(scene.get(REMARKS, "[]"))]
 
 
-def clear(scene):
+def clear(scene) -> None:
     if REMARKS in scene:
         del scene[REMARKS]

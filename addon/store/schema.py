@@ -14,13 +14,13 @@ VERSION = 2
 _VERSION = "relume_version"  # on a scene that is set up
 
 
-def note(scene):
+def note(scene) -> None:
     """Note in a scene that what it carries is of this version."""
     scene[_VERSION] = VERSION
 
 
-def check(scene):
-    """Raises SetupError where a newer Relume set the scene up: what it left there is not known here."""
+def check(scene) -> None:
+    """Raises SetupError where a newer Relume set the scene up: this one cannot know what it left there."""
     version = scene.get(_VERSION, 1)
     if version > VERSION:
         raise SetupError(
@@ -29,7 +29,7 @@ def check(scene):
         )
 
 
-def clear(scene):
+def clear(scene) -> None:
     if _VERSION in scene:
         del scene[_VERSION]
 
@@ -42,7 +42,7 @@ def snapshot_text(choices: dict) -> str:
 def snapshot(text: str) -> dict:
     """The choices that a snapshot keeps, of this version or an older one; what they lack has its default.
 
-    Raises SetupError for those of a newer Relume, and for what is none.
+    Raises SetupError for those of a newer Relume, and for text that is no snapshot.
     """
     try:
         kept = json.loads(text)

@@ -3,11 +3,13 @@
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06.
 """
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from ...core.picture import mixing
+from ...core.picture import drawing, mixing
 from ..store import mixer
 from . import overlay
 from .mixer_operators import NeedsSetUp
@@ -30,7 +32,7 @@ class LightDial(NeedsSetUp, Operator):
     def _row(self, context):
         return context.scene.relume.light_groups[self.group]
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         row = self._row(context)
         if len(row.blend) < 2:
             self.report({"ERROR"}, "the light dial needs two illuminants or more in the blend")
@@ -42,9 +44,7 @@ class LightDial(NeedsSetUp, Operator):
         self.area, self.region = area, next(r for r in area.regions if r.type == "WINDOW")
         self.before = [part.weight for part in row.blend]
         self.dragging = False
-        from ...core.picture import drawing
-
-        self.colors = [tuple(drawing.swatch(part.spectrum()).tolist()) for part in row.blend]
+        self.colours = [tuple(drawing.swatch(part.spectrum()).tolist()) for part in row.blend]
         self.names = [part.illuminant for part in row.blend]
         space = type(area.spaces.active)
         self.handle = space.draw_handler_add(self._draw, (context.scene,), "WINDOW", "POST_PIXEL")
@@ -54,7 +54,7 @@ class LightDial(NeedsSetUp, Operator):
         area.tag_redraw()
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
+    def modal(self, context, event) -> set[str]:
         self.area.tag_redraw()
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
             self._set(context, self.before)
@@ -69,14 +69,14 @@ class LightDial(NeedsSetUp, Operator):
             self._set(context, mixing.weights(self._on_disc(event), len(self.before)).tolist())
         return {"RUNNING_MODAL"}
 
-    def _set(self, context, weights):
+    def _set(self, context, weights: Sequence[float]) -> None:
         row = self._row(context)
         with mixer.quiet():
             for part, weight in zip(row.blend, weights, strict=True):
                 part.weight = weight
         mixer.mix_changed(row, context)
 
-    def _end(self, context, result):
+    def _end(self, context, result: set[str]) -> set[str]:
         self.space.draw_handler_remove(self.handle, "WINDOW")
         context.workspace.status_text_set(None)
         self.area.tag_redraw()
@@ -87,7 +87,7 @@ class LightDial(NeedsSetUp, Operator):
         radius = _RADIUS * scale
         return (radius + _MARGIN * scale, radius + _MARGIN * scale), radius, scale
 
-    def _on_disc(self, event):
+    def _on_disc(self, event) -> tuple[float, float]:
         (x, y), radius, _ = self._geometry()
         return (event.mouse_x - self.region.x - x) / radius, (event.mouse_y - self.region.y - y) / radius
 
@@ -95,7 +95,7 @@ class LightDial(NeedsSetUp, Operator):
         x, y = self._on_disc(event)
         return max(abs(x), abs(y)) < 1.4
 
-    def _draw(self, scene):
+    def _draw(self, scene) -> None:
         if bpy.context.region != self.region:
             return
         weights = [part.weight for part in scene.relume.light_groups[self.group].blend]
@@ -103,10 +103,10 @@ class LightDial(NeedsSetUp, Operator):
         overlay.disc((x, y), radius * 1.25, (0.12, 0.12, 0.12, 0.8))
         overlay.disc((x, y), radius, (0.24, 0.24, 0.24, 0.9))
         anchors = [(x + radius * a, y + radius * b) for a, b in mixing.anchors(len(weights)).tolist()]
-        for place, color, name in zip(anchors, self.colors, self.names, strict=True):
-            overlay.disc(place, 9 * scale, (*color, 1.0))
+        for place, colour, name in zip(anchors, self.colours, self.names, strict=True):
+            overlay.disc(place, 9 * scale, (*colour, 1.0))
             above = 12 if place[1] >= y - 1 else -22
-            overlay.text(name, place[0], place[1] + above * scale, scale, centered=True)
+            overlay.text(name, place[0], place[1] + above * scale, scale, centred=True)
         a, b = mixing.handle(weights).tolist()
         overlay.disc((x + radius * a, y + radius * b), 8 * scale, (0.0, 0.0, 0.0, 1.0))
         overlay.disc((x + radius * a, y + radius * b), 6 * scale, (1.0, 1.0, 1.0, 1.0))

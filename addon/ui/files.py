@@ -25,11 +25,11 @@ class RelightExr(Operator):
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.exr", options={"HIDDEN"})
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         settings = context.scene.relume
         try:
             path = Path(bpy.path.abspath(self.filepath))
@@ -54,12 +54,12 @@ class WriteSidecar(NeedsSetUp, Operator):
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default=f"*{description.SUFFIX}", options={"HIDDEN"})
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         self.filepath = f"{bpy.path.display_name_from_filepath(bpy.data.filepath) or 'untitled'}{description.SUFFIX}"
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         try:
             description.write(bpy.path.abspath(self.filepath), describe.description_of(context.scene))
         except (OSError, RelumeError) as error:

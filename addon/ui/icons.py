@@ -2,6 +2,9 @@
 
 import bpy
 import bpy.utils.previews
+import numpy as np
+
+from ...core.picture import drawing
 
 __all__ = ["curves", "patch", "register", "swatch_and_curve", "unregister"]
 
@@ -9,13 +12,11 @@ __all__ = ["curves", "patch", "register", "swatch_and_curve", "unregister"]
 _previews = None
 
 
-def swatch_and_curve(curve, swatch) -> int:
+def swatch_and_curve(curve: np.ndarray, swatch: np.ndarray) -> int:
     """The icon of an illuminant, of its curve (81,) and swatch (3,): a small picture, and a large plot of the curve.
 
     0 in a Blender without a window.
     """
-    from ...core.picture import drawing
-
     if _previews is None or len(curve) == 0:
         return 0
     key = f"{tuple(round(value, 3) for value in curve)} {tuple(round(value, 3) for value in swatch)}"
@@ -31,16 +32,12 @@ def swatch_and_curve(curve, swatch) -> int:
 
 def patch(wanted, full, model) -> int:
     """The icon of a patch of the palette, of three sRGB colours (3,). 0 in a Blender without a window."""
-    from ...core.picture import drawing
-
     key = "patch " + " ".join(f"{value:.3f}" for color in (wanted, full, model) for value in color)
     return _picture(key, lambda: drawing.patch(wanted, full, model))
 
 
 def curves(lines) -> int:
     """The icon of curves, (values (81,), sRGB (3,)) each. 0 in a Blender without a window."""
-    from ...core.picture import drawing
-
     key = "curves " + " ".join(f"{value:.3g}" for values, color in lines for value in (*values, *color))
     return _picture(key, lambda: drawing.lines(lines)) if lines else 0
 
@@ -61,7 +58,7 @@ def register():
     _previews = bpy.utils.previews.new()
 
 
-def unregister():
+def unregister() -> None:
     global _previews
     bpy.utils.previews.remove(_previews)
     _previews = None

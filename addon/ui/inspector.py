@@ -5,18 +5,20 @@ import tempfile
 from pathlib import Path
 
 import bpy
+import numpy as np
 from bpy.types import Operator
 
 from ...core.errors import RelumeError
-from ...core.picture import coefficients
+from ...core.picture import coefficients, inspection
 from ...core.picture.coefficients import CoefficientImageError
 from ..scene import view_layers
 from ..store import mixes
+from . import overlay
 
 __all__ = ["CLASSES", "coefficients_of"]
 
 
-def coefficients_of(context):
+def coefficients_of(context) -> dict[str, np.ndarray]:
     """({light group: (height, width, p)}) of what the Image Editor of this context shows. Raises CoefficientImageError.
 
     A render is written to a temporary file and read back: Blender gives no other way to its passes.
@@ -51,7 +53,7 @@ class _Picking:
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         if not context.scene.relume.is_set_up:
             cls.poll_message_set("this scene is not set up for spectral rendering")
             return False
@@ -60,7 +62,7 @@ class _Picking:
             return False
         return True
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         self.area = next(area for area in context.screen.areas if _shows_picture(area))
         self.region = next(region for region in self.area.regions if region.type == "WINDOW")
         try:
@@ -74,10 +76,10 @@ class _Picking:
         context.window.cursor_modal_set("EYEDROPPER")
         return {"RUNNING_MODAL"}
 
-    def begin(self, context):
+    def begin(self, context) -> None:
         """What there is to do before the first event."""
 
-    def pixel(self, event):
+    def pixel(self, event) -> list[list[float]] | None:
         """(groups, p) coefficients under the cursor, None beside the picture."""
         u, v = self.region.view2d.region_to_view(event.mouse_x - self.region.x, event.mouse_y - self.region.y)
         height, width, _ = next(iter(self.images.values())).shape
@@ -86,7 +88,7 @@ class _Picking:
             return None
         return [image[y, x].tolist() for image in self.images.values()]
 
-    def end(self, context, result):
+    def end(self, context, result: set[str]) -> set[str]:
         context.window.cursor_modal_restore()
         self.area.tag_redraw()
         return result
@@ -103,7 +105,7 @@ class PickWhite(_Picking, Operator):
     bl_idname = "relume.pick_white"
     bl_label = "Pick White"
 
-    def modal(self, context, event):
+    def modal(self, context, event) -> set[str]:
         if event.type in {"ESC", "RIGHTMOUSE"}:
             return self.end(context, {"CANCELLED"})
         if event.type == "LEFTMOUSE" and event.value == "PRESS":
@@ -125,7 +127,7 @@ class InspectPixels(_Picking, Operator):
     bl_label = "Inspect Pixels"
     bl_options = {"REGISTER", "BLOCKING"}
 
-    def begin(self, context):
+    def begin(self, context) -> None:
         self.shown = self.pinned = None
         self.words = []
         settings = context.scene.relume
@@ -134,9 +136,7 @@ class InspectPixels(_Picking, Operator):
         self.handle = self.space.draw_handler_add(self._draw, (), "WINDOW", "POST_PIXEL")
         context.workspace.status_text_set("Spectrum under the cursor: click to compare with a spot, Esc to end")
 
-    def modal(self, context, event):
-        from ...core.picture import inspection
-
+    def modal(self, context, event) -> set[str]:
         if event.type in {"ESC", "RIGHTMOUSE"}:
             self.space.draw_handler_remove(self.handle, "WINDOW")
             context.workspace.status_text_set(None)
@@ -151,8 +151,6 @@ class InspectPixels(_Picking, Operator):
         return {"RUNNING_MODAL"}
 
     def _words(self) -> list[str]:
-        from ...core.picture import inspection
-
         if self.shown is None:
             return ["beside the picture"]
         words = ["XYZ  " + "  ".join(f"{value:.4f}" for value in self.shown.xyz)]
@@ -161,10 +159,9 @@ class InspectPixels(_Picking, Operator):
             words.append(f"ΔE2000 to the clicked spot  {apart:.2f}")
         return words
 
-    def _draw(self):
+    def _draw(self) -> None:
         if bpy.context.region != self.region or self.shown is None:
             return
-        from . import overlay
 
         scale = bpy.context.preferences.system.ui_scale
         left, bottom, width, height = 20 * scale, 20 * scale, 300 * scale, 110 * scale

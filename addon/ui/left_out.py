@@ -49,10 +49,10 @@ def _key(scene) -> tuple:
     return scene.session_uid, scene.name, *settings.plan.values(), len(settings.light_groups), *size
 
 
-def _soon(key: tuple, name: str):
-    """Work it out after Blender has drawn; a panel may compute nothing."""
+def _soon(key: tuple, name: str) -> None:
+    """Work it out once Blender has drawn: a panel may not compute anything."""
 
-    def work():
+    def work() -> None:
         scene = bpy.data.scenes.get(name)
         _known.clear()
         if scene is not None and scene.relume.is_set_up:
@@ -70,10 +70,10 @@ class _LeftOut:
     bl_order = 100
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         return context.scene.relume.is_set_up and bool(context.scene.relume.plan.get("reason"))
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         settings = context.scene.relume
         if context.scene.cycles.use_denoising and settings.model().passes > 1:
             self.layout.prop(settings, "denoise_passes")
@@ -88,9 +88,9 @@ class _LeftOut:
         for row in _known[key]:
             box = self.layout.box().column(align=True)
             mixer_panels.words(box, row.what[:1].upper() + row.what[1:])
-            told = box.column(align=True)
-            told.active = False
-            mixer_panels.words(told, row.cost)
+            cost = box.column(align=True)
+            cost.active = False
+            mixer_panels.words(cost, row.cost)
 
 
 class SidebarLeftOut(_LeftOut, Panel):

@@ -1,5 +1,6 @@
 """Measured spectra in materials: the panel that lists the spectral sockets, and the operators behind its buttons."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -8,7 +9,9 @@ from bpy.types import Operator, Panel
 from bpy.utils import register_classes_factory
 from bpy_extras.io_utils import ImportHelper
 
-from ...core.spectra.spectrum import SpectrumError
+from ...core.palette import beyond
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -18,8 +21,6 @@ _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GL
 
 @cache  # Blender keeps no reference to the strings
 def _library(takes: str) -> list[tuple[str, str, str]]:
-    from ...core.spectra import library
-
     if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
     if takes == places.GLASS:
@@ -28,10 +29,8 @@ def _library(takes: str) -> list[tuple[str, str, str]]:
     return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
 
 
-def assign_from_library(material, node, identifier: str, takes: str, name: str):
+def assign_from_library(material, node, identifier: str, takes: str, name: str) -> None:
     """Put a spectrum of the library in a place of a material. Raises LibraryError."""
-    from ...core.spectra import library
-
     if takes == places.METAL:
         n, k = library.conductor(name)
         _assign_metal(material, node, n, k)
@@ -41,11 +40,11 @@ def assign_from_library(material, node, identifier: str, takes: str, name: str):
         _assign_reflectance(material, places.socket_of(node, identifier), library.reflectance(name))
 
 
-def _assign_reflectance(material, socket, spectrum):
+def _assign_reflectance(material, socket, spectrum: Spectrum) -> None:
     spectra.assign(material, socket, spectra.existing({"Color": spectrum}) or spectra.new_reflectance(spectrum))
 
 
-def _assign_metal(material, node, n, k):
+def _assign_metal(material, node, n: Spectrum, k: Spectrum) -> None:
     tree = spectra.existing({"IOR": n, "Extinction": k}) or spectra.new_conductor(n.name, n, k)
     node.fresnel_type = "PHYSICAL_CONDUCTOR"
     for output in ("IOR", "Extinction"):
@@ -62,7 +61,7 @@ class _Place:
     takes: StringProperty(options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         material = _material(context)
         if material is None or not material.is_editable:
             cls.poll_message_set("no material that can be edited here")
@@ -87,11 +86,11 @@ class AssignSpectrum(_Place, Operator):
 
     spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or places.REFLECTANCE))
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
         return {"FINISHED"}
 
@@ -107,9 +106,6 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
     )
 
     def execute(self, context):
-        from ...core.palette import beyond
-        from ...core.spectra import files
-
         material, node = self.target(context)
         try:
             found = files.read(
@@ -134,10 +130,8 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
         return {"FINISHED"}
 
 
-def _metal_in(columns: list, path: Path):
+def _metal_in(columns: list, path: Path) -> tuple[Spectrum, Spectrum]:
     """n and k of a metal from a file's first two spectra. Raises SpectrumError."""
-    from dataclasses import replace
-
     if len(columns) < 2:
         raise SpectrumError(f"{path}: a metal needs two columns after the wavelengths, n and k")
     n, k = columns[:2]
@@ -150,7 +144,7 @@ class ClearSpectrum(_Place, Operator):
     bl_idname = "relume.clear_spectrum"
     bl_label = "Clear Spectrum"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         material, node = self.target(context)
         if self.takes == places.GLASS:
             glass.put_back(node)
@@ -171,10 +165,10 @@ class MaterialPanel(Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         return context.material is not None and context.material.node_tree is not None
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         material, layout = context.material, self.layout
         for name, identifier, takes in places.of(material):
             node = material.node_tree.nodes[name]

@@ -4,6 +4,8 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ...core.errors import RelumeError, SetupError
+from ...core.picture import drawing
+from ...core.spectra import library
 from ..scene import compositing, light_groups, setup
 from ..store import mixer, schema
 from . import icons
@@ -12,12 +14,12 @@ __all__ = ["CLASSES", "NeedsSetUp"]
 
 
 class NeedsSetUp:
-    """Of operators that need a scene that is set up, and are one step of undo."""
+    """Operators that need a scene that is set up, and are one step of undo."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         if not context.scene.relume.is_set_up:
             cls.poll_message_set("this scene is not set up for spectral rendering")
             return False
@@ -29,9 +31,6 @@ _ITEMS = []  # Blender keeps no reference to the strings
 
 def _illuminants(self=None, context=None):
     """Every named illuminant with its family, icon and number, as a menu wants them."""
-    from ...core.picture import drawing
-    from ...core.spectra import library
-
     if not _ITEMS:
         for family, names in library.illuminants().items():
             for name in names:
@@ -54,11 +53,11 @@ class ChooseIlluminant(Operator):
     group: IntProperty(options={"HIDDEN"})
     part: IntProperty(options={"HIDDEN"}, default=-1)
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         row = context.scene.relume.light_groups[self.group]
         if self.part >= 0:
             with mixer.quiet():
@@ -80,7 +79,7 @@ class ChangeBlend(NeedsSetUp, Operator):
     group: IntProperty(options={"HIDDEN"})
     part: IntProperty(options={"HIDDEN"}, default=-1)
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         row = context.scene.relume.light_groups[self.group]
         if self.part < 0:
             with mixer.quiet():
@@ -99,7 +98,7 @@ class Regroup(NeedsSetUp, Operator):
 
     way: EnumProperty(name="Groups", items=light_groups.WAYS)
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         try:
             count = light_groups.regroup(context.scene, self.way)
         except setup.SetupError as error:
@@ -118,13 +117,13 @@ class AddLights(NeedsSetUp, Operator):
     group: StringProperty(options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         if not context.selected_objects:
             cls.poll_message_set("no object is selected")
             return False
         return super().poll(context)
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         count = light_groups.add(context.scene, self.group, context.selected_objects)
         if not count:
             self.report({"ERROR"}, "nothing that shines is selected")
@@ -139,7 +138,7 @@ class RemoveEmptyGroups(NeedsSetUp, Operator):
     bl_idname = "relume.remove_empty_groups"
     bl_label = "Remove Groups without Lights"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         names = light_groups.remove_empty(context.scene)
         self.report({"INFO"}, f"removed {', '.join(names)}" if names else "every light group has lights")
         return {"FINISHED"} if names else {"CANCELLED"}
@@ -151,7 +150,7 @@ class TakeSnapshot(NeedsSetUp, Operator):
     bl_idname = "relume.take_snapshot"
     bl_label = "Take Snapshot"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         settings = context.scene.relume
         taken = {snapshot.name for snapshot in settings.snapshots}
         number = next(n for n in range(1, len(taken) + 2) if f"Mix {n}" not in taken)
@@ -163,7 +162,7 @@ class TakeSnapshot(NeedsSetUp, Operator):
 
 class _OfSnapshot(NeedsSetUp):
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         if not super().poll(context):
             return False
         if not 0 <= context.scene.relume.active_snapshot < len(context.scene.relume.snapshots):
@@ -183,7 +182,7 @@ class ForgetSnapshot(_OfSnapshot, Operator):
     bl_idname = "relume.forget_snapshot"
     bl_label = "Remove Snapshot"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         settings = context.scene.relume
         settings.snapshots.remove(settings.active_snapshot)
         settings.active_snapshot = max(0, settings.active_snapshot - 1)
@@ -196,7 +195,7 @@ class ApplySnapshot(_OfSnapshot, Operator):
     bl_idname = "relume.apply_snapshot"
     bl_label = "Apply Snapshot"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         try:
             missing = mixer.apply(context.scene.relume, schema.snapshot(self.chosen(context).mix))
         except SetupError as error:
@@ -213,7 +212,7 @@ class Compare(_OfSnapshot, Operator):
     bl_idname = "relume.compare"
     bl_label = "Compare with Snapshot"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         scene, settings = context.scene, context.scene.relume
         if settings.comparing:
             compositing.end_comparison(scene)
@@ -235,7 +234,7 @@ class WriteToLights(NeedsSetUp, Operator):
     bl_idname = "relume.write_to_lights"
     bl_label = "Write to Lights"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         kept = light_groups.write_gains(context.scene)
         if kept:
             self.report({"WARNING"}, f"left as they are, for their strength is linked or shared: {', '.join(kept)}")

@@ -9,7 +9,7 @@ from . import icons
 __all__ = ["draw", "words"]
 
 
-def draw(layout, settings):
+def draw(layout, settings) -> None:
     """The mixer of a scene that is set up."""
     for index, row in enumerate(settings.light_groups):
         _draw_row(layout, settings, row, index)
@@ -23,7 +23,7 @@ def draw(layout, settings):
     _draw_output(layout, settings)
 
 
-def _draw_row(layout, settings, row, index: int):
+def _draw_row(layout, settings, row, index: int) -> None:
     box = layout.box().column(align=True)
     box.use_property_split = False
     line = box.row(align=True)
@@ -52,7 +52,7 @@ def _draw_row(layout, settings, row, index: int):
         _draw_details(box, row, index, icon)
 
 
-def _draw_details(box, row, index: int, icon: int):
+def _draw_details(box, row, index: int, icon: int) -> None:
     box.separator(factor=0.5)
     box.prop(row, "source", text="")
     if row.source == "PLANCKIAN":
@@ -70,7 +70,7 @@ def _draw_details(box, row, index: int, icon: int):
     box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
 
 
-def _draw_blend(box, row, index: int):
+def _draw_blend(box, row, index: int) -> None:
     for number, part in enumerate(row.blend):
         line = box.row(align=True)
         chosen = line.operator("relume.choose_illuminant", text=part.illuminant)
@@ -84,7 +84,7 @@ def _draw_blend(box, row, index: int):
     line.operator("relume.light_dial", text="Light Dial", icon="MESH_CIRCLE").group = index
 
 
-def _draw_balance(layout, settings):
+def _draw_balance(layout, settings) -> None:
     header, body = layout.panel("relume_balance", default_closed=False)
     header.label(text="White and Observer")
     if body is None:
@@ -105,7 +105,7 @@ def _draw_balance(layout, settings):
             words(body, f"From {settings.observer_origin}")
 
 
-def _draw_snapshots(layout, settings):
+def _draw_snapshots(layout, settings) -> None:
     header, body = layout.panel("relume_snapshots", default_closed=True)
     header.label(text="Snapshots")
     if body is None:
@@ -126,7 +126,7 @@ def _draw_snapshots(layout, settings):
     body.operator("relume.write_to_lights", icon="LIGHT")
 
 
-def _draw_output(layout, settings):
+def _draw_output(layout, settings) -> None:
     header, body = layout.panel("relume_output", default_closed=True)
     header.label(text="Pixels and Files")
     if body is None:
@@ -141,7 +141,7 @@ def _draw_output(layout, settings):
     body.operator("relume.paste_mix", icon="PASTEDOWN")
 
 
-def words(layout, text: str, alert: bool = False, width: int = 38):
+def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
     """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
     column.alert = alert

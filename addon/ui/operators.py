@@ -3,6 +3,7 @@
 from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
+from ..scene import setup
 from . import dial, files, inspector, mixer_operators, web
 from .mixer_operators import NeedsSetUp
 
@@ -22,9 +23,7 @@ class SetUpSpectralRender(Operator):
     bl_label = "Set Up Spectral Render"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
-        from ..scene import setup
-
+    def execute(self, context) -> set[str]:
         try:
             setup.set_up(context.scene)
         except setup.SetupError as error:
@@ -39,9 +38,7 @@ class RemoveSpectralRender(NeedsSetUp, Operator):
     bl_idname = "relume.remove"
     bl_label = "Remove"
 
-    def execute(self, context):
-        from ..scene import setup
-
+    def execute(self, context) -> set[str]:
         try:
             setup.remove(context.scene)
         except setup.SetupError as error:

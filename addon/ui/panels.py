@@ -12,7 +12,7 @@ __all__ = ["CLASSES", "register", "unregister"]
 class _Relume:
     bl_label = "Relume"
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -23,7 +23,7 @@ class _Relume:
             _draw_introduction(layout, settings)
 
 
-def _draw_introduction(layout, settings):
+def _draw_introduction(layout, settings) -> None:
     column = layout.column(align=True)
     column.label(text="Render the whole spectrum,")
     column.label(text="choose the light afterwards.")
@@ -33,7 +33,7 @@ def _draw_introduction(layout, settings):
     row.operator("relume.set_up", icon="LIGHT_AREA")
 
 
-def _draw_mixer(layout, settings):
+def _draw_mixer(layout, settings) -> None:
     model, plan = settings.model(), settings.plan
     layout.label(
         text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({model.label})", icon="RENDER_STILL"
@@ -50,7 +50,7 @@ def _draw_mixer(layout, settings):
     layout.operator("relume.remove", icon="TRASH")
 
 
-def _draw_choice(layout, settings):
+def _draw_choice(layout, settings) -> None:
     layout.prop(settings, "channels")
     if settings.channels == AUTO:
         layout.prop(settings, "tolerance")
@@ -84,12 +84,12 @@ class RenderPanel(_Relume, Panel):
 CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
 
 
-def register():
+def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
 
 
-def unregister():
+def unregister() -> None:
     report_panel.end()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

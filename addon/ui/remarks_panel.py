@@ -15,13 +15,13 @@ class _Remarks:
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         return REMARKS in context.scene and context.scene[REMARKS] != "[]"
 
-    def draw_header(self, context):
+    def draw_header(self, context) -> None:
         self.layout.label(icon="INFO")
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         places = {}
         for remark in of(context.scene):
             places.setdefault(remark.why, []).append(remark)

@@ -15,14 +15,14 @@ _SECONDS = 0.5  # between two looks at the report
 _SHOWN = 12  # rows of its table
 
 
-def _redraw():
+def _redraw() -> None:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in {"VIEW_3D", "PROPERTIES"}:
                 area.tag_redraw()
 
 
-def _follow():
+def _follow() -> float | None:
     """Show how far the report is, until it is done."""
     report = background.current()
     _redraw()
@@ -47,17 +47,17 @@ pictures. What is rendered already is not rendered again"""
     )
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context) -> bool:
         if not bpy.data.filepath:
             cls.poll_message_set("save the file first: a second Blender opens it")
             return False
         report = background.current()
         return report is None or not report.is_running
 
-    def invoke(self, context, event):
+    def invoke(self, context, event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self, confirm_text="Make Report")
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         folder = Path(bpy.path.abspath(self.folder))
         try:
             background.start(Path(bpy.data.filepath), folder, self.percent, self.samples)
@@ -76,7 +76,7 @@ class StopReport(Operator):
     bl_idname = "relume.stop_report"
     bl_label = "Stop"
 
-    def execute(self, context):
+    def execute(self, context) -> set[str]:
         report = background.current()
         if report is not None and report.is_running:
             report.stop()
@@ -88,7 +88,7 @@ class _Report:
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 101
 
-    def draw(self, context):
+    def draw(self, context) -> None:
         layout, report = self.layout, background.current()
         if report is not None and report.is_running:
             layout.progress(factor=report.part, text=report.words)
@@ -103,7 +103,7 @@ class _Report:
             _draw_rows(layout, report)
 
 
-def _draw_rows(layout, report):
+def _draw_rows(layout, report: background.Report) -> None:
     column = layout.column(align=True)
     cells = [("", "seconds", "ΔE")]
     cells += [(r["name"], f"{r['seconds']:.3g}", f"{r['model']['p98']:.2f}") for r in report.rows[:_SHOWN]]
@@ -136,7 +136,7 @@ class RenderReport(_Report, Panel):
 CLASSES = (MakeReport, StopReport, SidebarReport, RenderReport)
 
 
-def end():
+def end() -> None:
     """Stop what runs: the add-on goes."""
     background.forget()
     if bpy.app.timers.is_registered(_follow):

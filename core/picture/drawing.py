@@ -41,15 +41,15 @@ def _reduced(picture: Array) -> Array:
     ).mean(axis=(1, 3))
 
 
-def icon(values: Array, color: Array, size: int = 32) -> Array:
-    """(size, size, 4) sRGB float32, lowest row first: the swatch `color` (3,), and over it the curve `values` (81,)."""
+def icon(values: Array, colour: Array, size: int = 32) -> Array:
+    """(size, size, 4) sRGB float32, lowest row first: the swatch `colour` (3,), the curve `values` (81,) over it."""
     fine = size * _OVERSAMPLING
     heights = 0.06 + 0.80 * _heights(np.asarray(values, float), fine)
     rows = (np.arange(fine) + 0.5)[:, None] / fine
-    luminance = np.asarray(color, float) @ rgb_to_xyz()[1]
+    luminance = np.asarray(colour, float) @ rgb_to_xyz()[1]
     ink = np.full(3, 0.05 if luminance > 0.4 else 0.95)
     picture = np.ones((fine, fine, 4))
-    picture[..., :3] = np.where((rows < heights)[..., None], 0.25 * np.asarray(color) + 0.75 * ink, color)
+    picture[..., :3] = np.where((rows < heights)[..., None], 0.25 * np.asarray(colour) + 0.75 * ink, colour)
     return _reduced(picture).astype(np.float32)
 
 
@@ -59,8 +59,8 @@ def plot(values: Array, width: int = 160, height: int = 160) -> Array:
     heights = _heights(np.asarray(values, float), fine)
     rows = (np.arange(height * _OVERSAMPLING) + 0.5)[:, None] / (height * _OVERSAMPLING)
     picture = np.ones((height * _OVERSAMPLING, fine, 4))
-    colors = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
-    picture[..., :3] = np.where((rows < 0.96 * heights + 0.015)[..., None], colors, 0.08)
+    colours = _rainbow(np.linspace(WAVELENGTHS[0], WAVELENGTHS[-1], fine))
+    picture[..., :3] = np.where((rows < 0.96 * heights + 0.015)[..., None], colours, 0.08)
     return _reduced(picture).astype(np.float32)
 
 
@@ -69,9 +69,9 @@ def ribbon(values: Array) -> tuple[Array, Array]:
     values = np.asarray(values, float)
     across = np.linspace(0.0, 1.0, len(values))
     places = np.stack([np.stack([across, np.zeros(len(values))], 1), np.stack([across, values], 1)], 1).reshape(-1, 2)
-    colors = np.ones((len(values), 4))
-    colors[:, :3] = _rainbow(WAVELENGTHS[0] + across * (WAVELENGTHS[-1] - WAVELENGTHS[0]))
-    return places, np.repeat(colors, 2, axis=0)
+    colours = np.ones((len(values), 4))
+    colours[:, :3] = _rainbow(WAVELENGTHS[0] + across * (WAVELENGTHS[-1] - WAVELENGTHS[0]))
+    return places, np.repeat(colours, 2, axis=0)
 
 
 def circle(count: int) -> Array:

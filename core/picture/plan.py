@@ -34,14 +34,14 @@ SPECTRUM = 9  # channels that a spectrum behind a prism needs
 class Content:
     """What a scene shows and how it is lit, as far as the choice of a model depends on it.
 
-    reflectances: the measured spectra. colors: (m, 3) RGB colours of `space`. shares: part of the picture of each
+    reflectances: the measured spectra. colours: (m, 3) RGB colours of `space`. shares: part of the picture of each
     reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
     lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
     often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
     """
 
     reflectances: Sequence[Spectrum] = ()
-    colors: Array = field(default_factory=lambda: np.empty((0, 3)))
+    colours: Array = field(default_factory=lambda: np.empty((0, 3)))
     shares: Array | None = None
     textures: float = 0.0
     lights: Sequence[Spectrum] = ()
@@ -51,14 +51,14 @@ class Content:
     disperses: bool = False
 
     def __post_init__(self) -> None:
-        colors = np.asarray(self.colors, dtype=np.float64).reshape(-1, 3)
-        count = len(self.reflectances) + len(colors)
+        colours = np.asarray(self.colours, dtype=np.float64).reshape(-1, 3)
+        count = len(self.reflectances) + len(colours)
         shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
         if shares.shape != (count,) or (shares < 0).any():
             raise UsageError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
         if not self.lights:
             raise UsageError("a scene needs at least one light")
-        object.__setattr__(self, "colors", colors)
+        object.__setattr__(self, "colours", colours)
         object.__setattr__(self, "shares", shares)
 
     @property
@@ -202,11 +202,11 @@ def _grey() -> FactorModel:
 def _fitted_to(content: Content, channels: int) -> FactorModel:
     """The fitted filters, with matrices for the scene's spectra: measured, of its colours, of any texture."""
     truth = bases.bands()
-    colors = content.colors
+    colours = content.colours
     if content.textures > 0:
         levels = srgb_decoded(np.linspace(0, 1, 4))
-        colors = np.concatenate([colors, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
-    upsampled = truth.reconstruct(colors @ rgb_matrix(truth, content.space).T)
+        colours = np.concatenate([colours, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
+    upsampled = truth.reconstruct(colours @ rgb_matrix(truth, content.space).T)
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
     return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, Fitted(np.array(known)))
 
@@ -238,7 +238,7 @@ class _Pixels:
         measured = np.empty((0, model.channels))
         if content.reflectances:
             measured = model.coefficients(list(content.reflectances))
-        known = np.concatenate([measured, content.colors @ to_coefficients.T, np.zeros((1, model.channels))])
+        known = np.concatenate([measured, content.colours @ to_coefficients.T, np.zeros((1, model.channels))])
         factors = known[self.surfaces]
         unknown = self.surfaces == len(known) - 1
         factors[unknown] = self.texels[unknown] @ to_coefficients.T

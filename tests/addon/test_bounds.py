@@ -1,8 +1,8 @@
-"""Colours outside 0..1, and what cannot be RGB's picture even without bounces: the same, or told."""
+"""Colours outside 0..1, and what cannot be RGB's picture even without bounces: the same, or reported."""
 
 import bpy
 import pytest
-from test_fidelity import delta_E, rgb_render
+from fidelity import delta_E, rgb_render
 
 from relume.addon.graph import closures, nodes
 from relume.addon.scene import render, setup

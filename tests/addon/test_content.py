@@ -1,4 +1,4 @@
-"""What the planner is told of a scene, and what automatic channels make of it."""
+"""What the planner knows of a scene, and what automatic channels make of it."""
 
 import bpy
 import pytest
@@ -22,8 +22,8 @@ def cube(startup):
 def told_of(scene) -> dict:
     """{name of a spectrum, or RGB colour of three digits: its share}, without greys."""
     told = content.content_of(scene)
-    colors = [tuple(color) for color in told.colors.round(3).tolist()]
-    found = dict(zip([spectrum.name for spectrum in told.reflectances] + colors, told.shares, strict=True))
+    colours = [tuple(colour) for colour in told.colours.round(3).tolist()]
+    found = dict(zip([spectrum.name for spectrum in told.reflectances] + colours, told.shares, strict=True))
     return {source: share for source, share in found.items() if isinstance(source, str) or len(set(source)) > 1}
 
 
@@ -80,7 +80,7 @@ def test_the_room_is_told_by_its_spectra_and_what_the_camera_sees(room):
 def test_textures_and_colours_are_told_apart(startup):
     told = content.content_of(startup)
     assert told.textures > 0.0
-    assert any(color == pytest.approx([0.7, 0.2, 0.1]) for color in told.colors.tolist())
+    assert any(colour == pytest.approx([0.7, 0.2, 0.1]) for colour in told.colours.tolist())
 
 
 def test_a_scene_that_is_set_up_is_told_as_before(startup):
@@ -88,7 +88,7 @@ def test_a_scene_that_is_set_up_is_told_as_before(startup):
     setup.set_up(startup)
     after = content.content_of(startup)
     assert after.textures == before.textures
-    assert sorted(after.colors.tolist()) == sorted(before.colors.tolist())
+    assert sorted(after.colours.tolist()) == sorted(before.colours.tolist())
 
 
 def test_automatic_channels_say_why_and_follow_the_tolerance(room):
@@ -278,7 +278,7 @@ def test_a_coloured_lamp_on_greys_takes_more_than_one_channel(startup):
     assert startup.relume.model().channels >= 3
 
 
-@pytest.mark.skipif(bpy.app.version < (5, 1), reason="its lamps have no nodes before they are set up: told as textures")
+@pytest.mark.skipif(bpy.app.version < (5, 1), reason="before set-up its lamps have no nodes: textures")
 def test_a_black_body_is_told_as_an_illuminant_before_it_is_in_the_mixer(startup, cube):
     lamp = bpy.data.lights["Light"]
     lamp.use_temperature, lamp.temperature, lamp.color = True, 3000.0, (1.0, 1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Every colour of a scene takes part, wherever it comes from, and is given back; what cannot is told."""
+"""Every colour of a scene takes part, wherever it comes from, and is given back; what cannot is reported."""
 
 import bpy
 import pytest

@@ -32,7 +32,7 @@ def traces() -> list[str]:
     ("function", "call"),
     [
         ("graph.spectra.update_all", 1),
-        ("graph.lights.take_colors", 1),
+        ("graph.lights.take_colours", 1),
         ("graph.sockets.shadings_of", 1),
         ("graph.nodes.insert", 1),
         ("graph.nodes.insert", 3),

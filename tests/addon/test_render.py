@@ -181,7 +181,10 @@ def test_the_render_command(room, tmp_path, arguments):
         )
         == 0
     )
-    assert (out / "x.png").stat().st_size > 1000
+    as_lit, tungsten = (
+        coefficients.read_rgb(out / f"{name}.png").mean(axis=(0, 1)) for name in (f"{names[0]}_D65", "x")
+    )
+    assert tungsten[0] / tungsten[2] > 1.1 * as_lit[0] / as_lit[2], "one lamp is redder than daylight"
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,13 @@ import sys
 import types
 
 import bpy
+import numpy as np
 import pytest
 
 from relume.addon.cli import background, commands
 from relume.addon.scene import setup
 from relume.addon.ui import left_out
+from relume.core.picture import coefficients
 
 ARGUMENTS = ("--channels", "6", "--models", "rgb", "fitted", "--samples", "4", "--percent", "6")
 
@@ -36,8 +38,11 @@ def test_more_channels_err_less_and_take_more_passes(reported):
     assert rows["reference"]["model"]["max"] == 0
     assert [rows[name]["passes"] for name in ("RGB", "6 channels", "reference")] == [1, 2, 12]
     assert all(row["noise"] > 0 and row["seconds"] > 0 for row in rows.values())
-    for name in ("report.md", "error_over_time.png", "delta_e.png", "side_by_side.png"):
-        assert (folder / name).stat().st_size > 500
+    text = (folder / "report.md").read_text()
+    for name in ("error_over_time.png", "delta_e.png", "side_by_side.png"):
+        assert f"]({name})" in text
+        picture = coefficients.read_rgb(folder / name)
+        assert (np.ptp(picture, axis=2) > 0.1).any(), f"{name} has no colour"
 
 
 def test_a_stopped_report_goes_on_where_it_was(reported, capfd):
@@ -114,8 +119,9 @@ def test_without_matplotlib_there_are_plain_pictures(reported, monkeypatch, capf
     assert commands.execute(arguments) == 0
     assert "relume: 0 passes to render" in capfd.readouterr().err
     text = (folder / "report.md").read_text()
-    for name in ("RGB.png", "automatic.png", "reference.png"):
-        assert f"]({name})" in text and (folder / name).stat().st_size > 500
+    assert all(f"]({name}.png)" in text for name in ("RGB", "automatic", "reference"))
+    rgb, automatic, reference = (coefficients.read_rgb(folder / f"{n}.png") for n in ("RGB", "automatic", "reference"))
+    assert np.abs(automatic - reference).mean() < np.abs(rgb - reference).mean() / 2
     assert "error_over_time.png" not in text and "renders nothing again" in text
 
 

@@ -4,9 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 
 from relume.core import FactorModel, Spectrum, SpectrumError
 from relume.core.model import bases
@@ -26,7 +23,6 @@ MODELS = {
     "bands": bases.bands(36),
 }
 NONNEGATIVE = [name for name in MODELS if name.startswith(("fitted", "bands", "block", "nonnegative"))]
-spectra = arrays.arrays(np.float64, (81,), elements=st.floats(0, 1))
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -41,32 +37,6 @@ def test_filters_sum_to_one_and_white_is_exact(name, cie_lights, lamps):
 @pytest.mark.parametrize("name", NONNEGATIVE)
 def test_filters_are_nonnegative(name):
     assert MODELS[name].filters.min() >= 0
-
-
-@pytest.mark.parametrize("name", MODELS)
-@given(first=spectra, second=spectra, scale=st.floats(0, 1e6))
-@settings(max_examples=20, deadline=None)
-def test_scaling_and_adding_are_exact(name, first, second, scale):
-    coefficients = MODELS[name].coefficients
-    np.testing.assert_allclose(
-        coefficients(first + scale * second), coefficients(first) + scale * coefficients(second), rtol=1e-9, atol=1e-12
-    )
-
-
-@pytest.mark.parametrize("name", NONNEGATIVE)
-@given(spectrum=spectra, more=spectra)
-@settings(max_examples=20, deadline=None)
-def test_nonnegative_filters_are_monotone_and_stay_in_range(name, spectrum, more):
-    low = MODELS[name].coefficients(spectrum)
-    assert low.min() >= 0 and low.max() <= 1 + 1e-12
-    assert (MODELS[name].coefficients(np.maximum(spectrum, more)) >= low - 1e-15).all()
-
-
-@given(first=spectra, second=spectra, third=spectra)
-@settings(max_examples=20, deadline=None)
-def test_the_order_of_products_does_not_matter(first, second, third):
-    a, b, c = (MODELS["fitted 9"].coefficients(s) for s in (first, second, third))
-    np.testing.assert_allclose(a * b * c, c * a * b, rtol=1e-14, atol=1e-300)
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -151,14 +121,6 @@ def test_refusals():
         FactorModel.from_dict({"shape": 3})
     with pytest.raises(ModelError, match="sum to 1"):
         FactorModel("x", np.arange(3), np.ones((3, 2)), rule=Reconstructed(np.ones((3, 2))))
-
-
-@given(st.floats(1e-30, 1e30), st.sampled_from(["D65", "589 nm"]))
-@settings(max_examples=20, deadline=None)
-def test_power_of_the_illuminant_cancels(scale, name):
-    light = library.illuminant(name).sampled()
-    model = MODELS["fitted 9"]
-    np.testing.assert_allclose(model.relight(light * scale), model.relight(light), rtol=1e-6, atol=1e-9)
 
 
 def test_spectrum_objects_and_arrays_agree():

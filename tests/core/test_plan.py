@@ -26,7 +26,7 @@ def every_cie_illuminant():
 
 
 def test_a_scene_of_greys_needs_one_channel_under_any_light():
-    greys = plan.Content(colors=[[0.8] * 3, [0.1] * 3], lights=[light("A")], choices=every_cie_illuminant())
+    greys = plan.Content(colours=[[0.8] * 3, [0.1] * 3], lights=[light("A")], choices=every_cie_illuminant())
     found = plan.choose(greys)
     assert found.model.channels == 1
     assert found.passes == 1

@@ -41,4 +41,5 @@ def steps():
     yield "removed.png"
 """
     )
-    assert all(picture.exists() for picture in pictures.values())
+    assert list(pictures) == ["material.png", "removed.png"]
+    assert len({picture.read_bytes() for picture in pictures.values()}) == len(pictures), "one shows what another does"

@@ -56,6 +56,7 @@ def steps():
         scene,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 3
+    assert list(pictures) == ["left_out.png", "report_done.png", "report_running.png"]
+    assert len({picture.read_bytes() for picture in pictures.values()}) == len(pictures), "one shows what another does"
     rows = json.loads((tmp_path / "report/report.json").read_text())["rows"]
     assert {"RGB", "9 channels", "automatic", "reference"} <= {row["name"] for row in rows}
