@@ -6,16 +6,19 @@ import tempfile
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, UsageError
 from ...core.picture import coefficients, exr, sequences
-from ...core.web import page
 from ..host import console
 from ..host.blend_file import located
 from ..scene import render
+
+if TYPE_CHECKING:
+    from ...core.web.page import Picture  # the page is imported when one is made: registering has no time for it
 
 __all__ = ["QUALITIES", "SIZES", "add_command", "run", "shown"]
 
@@ -73,6 +76,8 @@ def _quality(text: str) -> float:
 
 def run(told: argparse.Namespace):
     """`relume web`: one HTML file of an EXR, of a sequence or of a folder."""
+    from ...core.web import page
+
     if told.out.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"{told.out}: a page's name ends in .html")
     pictures = _pictures(located(told.coefficients))
@@ -95,8 +100,10 @@ def run(told: argparse.Namespace):
     console.wrote(told.out)
 
 
-def _pictures(path: Path) -> list[page.Picture]:
+def _pictures(path: Path) -> list["Picture"]:
     """The pictures of a page: of a file, of a sequence, or of all coefficient images in a folder."""
+    from ...core.web import page
+
     if sequences.is_pattern(path):
         files = sequences.files(path)
         coefficients.describe_all(files.values())
@@ -117,7 +124,9 @@ def _pictures(path: Path) -> list[page.Picture]:
     return found
 
 
-def _picture(path: Path) -> page.Picture:
+def _picture(path: Path) -> "Picture":
+    from ...core.web import page
+
     return page.Picture(path.stem, {1: partial(coefficients.read, path)})
 
 

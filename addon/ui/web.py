@@ -2,7 +2,6 @@
 
 import io
 import shlex
-import webbrowser
 from contextlib import redirect_stderr
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +12,6 @@ from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ...core.errors import RelumeError, UsageError
-from ...core.web import page
 from ..cli import arguments, jobs
 from ..cli.web import QUALITIES, SIZES, shown
 from ..scene import render
@@ -68,6 +66,8 @@ class ShareAsWebPage(Operator):
         path = Path(bpy.path.abspath(self.filepath)).with_suffix(".html")
         window = context.window_manager
         window.progress_begin(0, 1)
+        from ...core.web import page
+
         try:
             image = _image(context)
             picture = page.Picture(self.title or path.stem, {1: lambda: image})
@@ -79,6 +79,8 @@ class ShareAsWebPage(Operator):
             window.progress_end()
         self.report({"INFO"}, f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
         if not bpy.app.background:
+            import webbrowser
+
             webbrowser.open(path.absolute().as_uri())
         return {"FINISHED"}
 
