@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from relume.core.colour import spaces
+from relume.core.errors import ModelError
 from relume.core.model import bases
 from relume.core.picture import coefficients
 from relume.core.picture.mix import Light
@@ -107,6 +108,10 @@ def test_relight(seed, run, folder, image, settle):
             np.testing.assert_allclose(found, wanted, rtol=2e-4, atol=2e-4 * np.abs(wanted).max())
 
     how = outcome.of_command(ended, right)
+    if verdict and "no response in one of the eye's channels" in ended.err:
+        with pytest.raises(ModelError):  # sodium alone is not to be made white, and needs no Relume to find that out
+            _expected(image, arguments)
+        verdict = None
     assert verdict is None or how == (outcome.RIGHT if verdict else outcome.SAID), (arguments, ended)
     after = outcome.files_of(folder)
     assert after["same.exr"] == before["same.exr"], "the coefficients were changed"
