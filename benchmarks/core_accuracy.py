@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core import palette
 from ..core.colour import differences
 from ..core.model import bases, upsample
-from ..core.palette import metamers
 from ..core.spectra import files, library
 from ..studies import experiments
 from ..studies.reports import Section, publish, survive_closed_output
@@ -75,7 +75,7 @@ def product_section(reflectances):
 
 def metamer_section():
     """Metamers that match under D65 must come apart under A as they truly do."""
-    pairs = metamers.metamers(library.illuminant("D65"), 414)
+    pairs = palette.metamers(library.illuminant("D65"), 414)
     rows = []
     for p, aim in ((9, 10), (12, 5)):
         error = 100 * experiments.split_error(

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..core import palette
 from ..core.colour import differences
 from ..core.errors import RelumeError
 from ..core.model import bases
 from ..core.model.relight import power_weights
-from ..core.palette import metamers
 from ..core.spectra import library
 from ..core.spectra.arrays import Array
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
@@ -158,7 +158,7 @@ def extreme_values() -> reports.Section:
         rows.append([f"illuminant times {scale:g}", f"the same relight matrix within {error:.0e}"])
     dark, nothing = np.zeros(81), [np.nan] * 81
     rows.append(["reflectance of zero", f"coefficients from {model.coefficients(dark).min()} to 0.0"])
-    black = metamers.metameric_black(light, [library.illuminant("E")])
+    black = palette.metameric_black(light, [library.illuminant("E")])
     partly = light - 0.05 * light.max()
     undefined = np.where(WAVELENGTHS == 500, np.nan, light)
     for words, refused in {
@@ -189,7 +189,7 @@ def extreme_values() -> reports.Section:
 def metameric_blacks(reflectances: Array) -> reports.Section:
     """Reflectances that are invisible under D65, which are negative in places, seen under D65."""
     daylight = library.illuminant("D65")
-    black = metamers.metameric_black(reflectances, [daylight])
+    black = palette.metameric_black(reflectances, [daylight])
     rows, leaks, clamped = [], {}, {}
     for p in CHANNELS:
         model = bases.fitted(p)
@@ -205,7 +205,7 @@ def metameric_blacks(reflectances: Array) -> reports.Section:
             "this library does, and set to zero as a renderer may.",
             f"Kept, Y leaks by at most {max(leaks[9]):.2f} at p = 9; set to zero, by {max(clamped[9]):.1f}.",
             "No surface reflects less than nothing: add the black to a reflectance that keeps the sum in 0..1 "
-            "(`metamers.metamer`).",
+            "(`palette.metamer`).",
         ),
         ("p", "lowest coefficient", "Y leaked", "Y leaked if clamped"),
         rows,

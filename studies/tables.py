@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core import palette
 from ..core.model import bases
-from ..core.palette import metamers
 from ..core.spectra import library
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 from . import experiments, figures, reports
@@ -123,7 +123,7 @@ def three_bounce_section() -> reports.Section:
 def metamer_sections() -> Iterator[reports.Section]:
     """Tables 4 and 5, on metamers constructed here."""
     for number, matched, others in ((4, "D65", ("A", "FL11")), (5, "A", ("D65", "FL2"))):
-        pairs = metamers.metamers(library.illuminant(matched), PAIRS)
+        pairs = palette.metamers(library.illuminant(matched), PAIRS)
         models = {("eq. 12", p): bases.sharpened(p, "nonnegative") for p in CHANNELS[1:]}
         models |= {("fitted (ours)", p): bases.fitted(p) for p in (3, 6, 9, 12, 15)}
         rows = []
