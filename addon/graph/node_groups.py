@@ -12,8 +12,8 @@ In shaders:
 In the compositor:
 - *Recombination* sums matrices times coefficient passes.
 
-A group that Relume made says what it is in custom properties: its `ROLE` and, where a file has several of one role, which
-of them. So artists may rename groups. Inside a *Recombination*, the nodes that hold matrices are found by their names.
+A group that Relume made says what it is in custom properties: its `ROLE` and, where a file has several of one role,
+which of them; artists may rename it. The nodes in a *Recombination* that hold matrices are found by their names.
 """
 
 import bpy

@@ -13,6 +13,7 @@ from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, nodes, spectra
 from ..graph.closures import in_use, spectral_sockets
+from .mixer_operators import reporting
 
 __all__ = ["CLASSES", "chosen_at", "places", "register", "unregister"]
 
@@ -136,24 +137,20 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
         default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie;*.ti3", options={"HIDDEN"}
     )
 
-    def execute(self, context) -> set[str]:
+    @reporting
+    def execute(self, context) -> None:
         material, node = self.target(context)
-        try:
-            found = files.read(self.filepath, _REFLECTANCE if self.takes == _REFLECTANCE else "refractive index")
-            if self.takes == _METAL:
-                n, k = _metal_in(found, Path(self.filepath))
-                _assign_metal(material, node, n, k)
-            elif self.takes == _GLASS:
-                glass.replace(node, found[0])
-            else:
-                _assign_reflectance(material, _socket(node, self.socket), found[0])
-        except SpectrumError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        found = files.read(self.filepath, _REFLECTANCE if self.takes == _REFLECTANCE else "refractive index")
+        if self.takes == _METAL:
+            n, k = _metal_in(found, Path(self.filepath))
+            _assign_metal(material, node, n, k)
+        elif self.takes == _GLASS:
+            glass.replace(node, found[0])
+        else:
+            _assign_reflectance(material, _socket(node, self.socket), found[0])
         used = 2 if self.takes == _METAL else 1
         rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
         self.report({"INFO"}, f"From {found[0].source}{rest}")
-        return {"FINISHED"}
 
 
 def _metal_in(columns: list, path: Path) -> tuple[Spectrum, Spectrum]:
