@@ -75,10 +75,10 @@ def run(folder: Path) -> None:
         plain = _take(scene, folder, bases.rgb(), "plain RGB")
         nine = _take(scene, folder, properties.model_for("9"), "Relume, 9 channels")
         reference = _take(scene, folder, properties.model_for("reference"), "reference")
-        differences = _compare(plain, nine, reference)
+        errors = _compare(plain, nine, reference)
         with results.together():
-            written = _save(folder, nine) + _draw(folder, plain, nine, reference, differences)
-    _print_table(plain, nine, reference, differences)
+            written = _save(folder, nine) + _draw(folder, plain, nine, reference, errors)
+    _print_table(plain, nine, reference, errors)
     for path in written:
         console.wrote(path)
 
@@ -108,7 +108,7 @@ def _shown(take: _Take, lighting: str) -> np.ndarray:
     return denoising.denoised(take.rgb(lighting)) if denoising.available() else take.rgb(lighting)
 
 
-def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences: dict[str, np.ndarray]) -> list[Path]:
+def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, errors: dict[str, tuple]) -> list[Path]:
     written = []
     for lighting in _LIGHTINGS:
         row = [("Blender RGB", plain), ("Relume, 9 channels", nine), ("Reference, 36 bands", reference)]
@@ -117,7 +117,7 @@ def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences
             figures.picture_row(partial, [(title, spaces.srgb_encoded(_shown(take, lighting))) for title, take in row])
     maps = []
     for lighting in ("both", "D65", "sodium"):
-        plain_map, nine_map = differences[lighting]
+        plain_map, nine_map = errors[lighting]
         maps += [(f"Blender RGB, {lighting}", plain_map), (f"Relume, 9 channels, {lighting}", nine_map)]
     written.append(folder / "delta_e.png")
     with results.replacing(written[-1]) as partial:
@@ -125,10 +125,10 @@ def _draw(folder: Path, plain: _Take, nine: _Take, reference: _Take, differences
     return written
 
 
-def _print_table(plain: _Take, nine: _Take, reference: _Take, differences: dict[str, np.ndarray]) -> None:
+def _print_table(plain: _Take, nine: _Take, reference: _Take, errors: dict[str, tuple]) -> None:
     print(f"\n{'ΔE2000 to the reference':<26}{'Blender RGB':>18}{'Relume, 9 channels':>24}")
     print(f"{'lighting':<26}{'median':>9}{'p98':>9}{'median':>15}{'p98':>9}")
-    for lighting, maps in differences.items():
+    for lighting, maps in errors.items():
         (a, b), (c, d) = ((s["median"], s["p98"]) for s in map(differences.statistics, maps))
         print(f"{lighting:<26}{a:>9.2f}{b:>9.2f}{c:>15.2f}{d:>9.2f}")
     print(f"{'seconds':<26}{plain.seconds:>18.1f}{nine.seconds:>24.1f}   (reference {reference.seconds:.1f})")

@@ -5,7 +5,7 @@ from bpy.types import Panel
 __all__ = ["in_both_places"]
 
 
-def in_both_places(panel: type, name: str) -> tuple[type, type]:
+def in_both_places(panel: type, name: str) -> tuple[type, ...]:
     """The two classes of a panel that is written once. name: how their `bl_idname` ends."""
     sidebar = {"bl_space_type": "VIEW_3D", "bl_region_type": "UI", "bl_category": "Relume"}
     properties = {"bl_space_type": "PROPERTIES", "bl_region_type": "WINDOW", "bl_context": "render"}

@@ -9,6 +9,7 @@ import sys
 import time
 
 import bpy
+import numpy as np
 import pytest
 
 from relume.addon.cli import commands
@@ -357,3 +358,12 @@ def test_two_files_of_one_frame_are_refused(rendered, capfd):
     assert commands.execute(["relight", "shot.##.exr", "--out", "x.##.png"]) == 1
     assert "are both frame 1" in said(capfd)[-1]
     assert names(rendered) == before
+
+
+def test_the_demo_prints_the_errors_of_each_lighting(capsys):
+    from relume.addon.cli import demo
+
+    takes = [demo._Take(None, seconds) for seconds in (1.0, 2.0, 12.0)]
+    demo._print_table(*takes, {"sodium": (np.full((2, 2), 30.0), np.full((2, 2), 0.25))})
+    lines = capsys.readouterr().out.splitlines()
+    assert ["sodium", "30.00", "30.00", "0.25", "0.25"] in [line.split() for line in lines]
