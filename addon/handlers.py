@@ -94,29 +94,11 @@ _HANDLERS = (
     ("save_post", _forget_all),
     ("load_post", _forget_all),
 )
-
-
-def _mix_changed(scene) -> None:
-    setup.relight(scene)
-
-
-def _light_group_renamed(scene, before: str, after: str) -> str:
-    return light_groups.rename(scene, before, after)
-
-
-def _passes_changed(scene) -> None:
-    setup.set_up_afresh(scene)
-
-
-def _wipe_moved(scene, position: float) -> None:
-    compositing.move_wipe(scene, position)
-
-
 _CHANGES = {
-    changes.MIX: _mix_changed,
-    changes.LIGHT_GROUP_RENAMED: _light_group_renamed,
-    changes.PASSES: _passes_changed,
-    changes.WIPE: _wipe_moved,
+    changes.MIX: setup.relight,
+    changes.LIGHT_GROUP_RENAMED: light_groups.rename,
+    changes.PASSES: setup.set_up_afresh,
+    changes.WIPE: compositing.move_wipe,
 }
 
 

@@ -92,9 +92,7 @@ def narrow_lights() -> dict[str, tuple[Array, dict[float, float]]]:
 
 def grid_shift(white: Array, lines: dict[float, float]) -> float:
     """Distance in CIE 1976 u'v' of `white` (3,) from the colour of the lines, by matching functions at 1 nm."""
-    from colour import MSDS_CMFS
-
-    functions = MSDS_CMFS[library.OBSERVERS[library.OBSERVER]]
+    functions = library.colour_science().MSDS_CMFS[library.OBSERVERS[library.OBSERVER]]
     table = functions.values.T
     true = np.array(list(lines.values())) @ [[np.interp(nm, functions.wavelengths, c) for c in table] for nm in lines]
     u_v = [np.array([4 * x, 9 * y]) / (x + 15 * y + 3 * z) for x, y, z in (white, true)]

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+from functools import partial
 
 from ...core.errors import UsageError
 from ...core.picture.mix import GAINS
@@ -154,20 +155,9 @@ def _whole(text: str, low: int, high: int) -> int:
     return value
 
 
-def _samples(text: str) -> int:
-    return _whole(text, *SAMPLES)
-
-
-def _percent(text: str) -> int:
-    return _whole(text, *PERCENT)
-
-
-def _channels(text: str) -> int:
-    return _whole(text, 1, WAVELENGTHS.size)
-
-
-def _frame(text: str) -> int:
-    return _whole(text, *FRAMES)
+_samples, _percent, _channels, _frame = (
+    partial(_whole, low=low, high=high) for low, high in (SAMPLES, PERCENT, (1, WAVELENGTHS.size), FRAMES)
+)
 
 
 def _frames(text: str) -> range:

@@ -13,7 +13,7 @@ from ..host import console
 from ..host.blend_file import first_line, located, open_scene
 from . import arguments
 
-__all__ = ["blender_command", "execute", "register", "unregister"]
+__all__ = ["execute", "register", "unregister"]
 
 
 def _run(options: argparse.Namespace) -> None:

@@ -14,7 +14,7 @@ from ...core.spectra.spectrum import Spectrum
 from . import node_groups, nodes
 from .spectra import SPECTRA, spectra_of
 
-__all__ = ["GLASS_NODES", "disperses", "mend_all", "new_glass", "put_back", "replace", "restore_all", "update_all"]
+__all__ = ["GLASS_NODES", "disperses", "mend_all", "put_back", "replace", "restore_all", "update_all"]
 
 GLASS_NODES = ("ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction")
 _KIND = "relume_closure"  # on a glass group: which closure it is made of

@@ -19,7 +19,6 @@ from .closures import Bounds, Kind, bounds_of, in_use, is_animated, kind_of, rea
 from .wiring import Wiring
 
 __all__ = [
-    "Conversion",
     "Shading",
     "all_trees",
     "convert",

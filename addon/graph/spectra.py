@@ -20,7 +20,6 @@ __all__ = [
     "SPECTRA",
     "assign",
     "existing",
-    "inserted_before",
     "mend_all",
     "new_conductor",
     "new_reflectance",

@@ -2,14 +2,14 @@
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 __all__ = ["held_back"]
 
 
 @contextmanager
-def held_back() -> Iterator[None]:
+def held_back() -> Iterator[Callable[[], None]]:
     """While it is entered, Ctrl-C waits; yields a function that lets one through that came, for places fit for it.
 
     At the end it comes through in any case, as the KeyboardInterrupt that it would have been. In threads and where

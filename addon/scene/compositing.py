@@ -11,16 +11,7 @@ from ..host import denoising
 from ..store import properties
 from . import view_layers
 
-__all__ = [
-    "add",
-    "compare",
-    "end_comparison",
-    "move_wipe",
-    "recombinations",
-    "remove",
-    "rename",
-    "write_matrices",
-]
+__all__ = ["add", "compare", "end_comparison", "move_wipe", "recombinations", "remove", "rename", "write_matrices"]
 
 _SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 _ADDED = "relume_added"  # on the nodes that Relume added

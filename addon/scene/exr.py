@@ -15,7 +15,7 @@ from ..graph import node_groups, nodes
 from ..store import mixer, properties
 from . import setup
 
-__all__ = ["current_file", "new_scene", "point_at", "read_current"]
+__all__ = ["new_scene", "point_at", "read_current"]
 
 STOCK = properties.STOCK
 

@@ -5,7 +5,7 @@ from ..graph import lights
 from ..store import mixer
 from . import compositing, rows, setup
 
-__all__ = ["WAYS", "add", "empty", "lamps_of", "regroup", "remove_empty", "rename", "write_gains"]
+__all__ = ["WAYS", "add", "empty", "regroup", "remove_empty", "rename", "write_gains"]
 
 WAYS = [
     ("LIGHT", "One per Light", "Every lamp and every shining object gets a light group of its own"),

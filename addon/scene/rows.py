@@ -13,17 +13,7 @@ from ..host import animation
 from ..store import mixer, schema
 from ..store.mixer import CURVE
 
-__all__ = [
-    "discard",
-    "forget_untouched",
-    "mark",
-    "members_of",
-    "put_back",
-    "renamed",
-    "settle",
-    "sync",
-    "unlit",
-]
+__all__ = ["discard", "forget_untouched", "mark", "members_of", "put_back", "renamed", "settle", "sync", "unlit"]
 
 _MEMBERS = "relume_members"  # on a scene that is set up, as JSON: what shone in each light group
 _WAS = "was"  # on a row during set-up: the number and the name that it had before

@@ -10,16 +10,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.picture import recombination
 from ...core.picture.sampling import Sampling
 
-__all__ = [
-    "add",
-    "drive",
-    "pass_layers",
-    "preview_layers",
-    "remove",
-    "samples_of",
-    "source_names",
-    "write_view",
-]
+__all__ = ["add", "drive", "pass_layers", "preview_layers", "remove", "samples_of", "source_names", "write_view"]
 
 _PASS = "relume_pass"  # on a coefficient pass: its number
 _SOURCE = "relume_source"  # on a coefficient pass: the name of the artist's layer; on that layer: its own name

@@ -20,10 +20,8 @@ from ...core.spectra.spectrum import Spectrum, SpectrumError
 from . import changes
 
 __all__ = [
-    "BALANCE",
     "CLASSES",
     "CURVE",
-    "BlendPart",
     "LightGroup",
     "Snapshot",
     "apply",
@@ -35,7 +33,6 @@ __all__ = [
     "mix_changed",
     "quiet",
     "spectrum_of",
-    "stored_spectrum",
 ]
 
 CURVE = "relume_curve"  # on a row: 81 values of its spectrum, the highest 1

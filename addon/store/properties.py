@@ -16,17 +16,7 @@ from .mixer import CLASSES as MIXER_CLASSES
 from .mixer import LightGroup, Snapshot, is_quiet, mix_changed
 from .mixes import FILE
 
-__all__ = [
-    "AUTO",
-    "CHANNELS",
-    "CLASSES",
-    "SWITCHING",
-    "LightGroup",
-    "SceneSettings",
-    "model_for",
-    "register",
-    "unregister",
-]
+__all__ = ["AUTO", "CHANNELS", "CLASSES", "LightGroup", "model_for", "register", "unregister"]
 
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen

@@ -10,7 +10,7 @@ from bpy.types import Operator
 from ...core.errors import RelumeError
 from ...core.picture import description
 from ..scene import describe, exr
-from .mixer_operators import NeedsSetUp
+from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES"]
 
@@ -59,14 +59,10 @@ class WriteSidecar(NeedsSetUp, Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context) -> set[str]:
-        try:
-            description.write(bpy.path.abspath(self.filepath), describe.description_of(context.scene))
-        except (OSError, RelumeError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    @reporting
+    def execute(self, context) -> None:
+        description.write(bpy.path.abspath(self.filepath), describe.description_of(context.scene))
         self.report({"INFO"}, f"wrote {self.filepath}")
-        return {"FINISHED"}
 
 
 CLASSES = (RelightExr, WriteSidecar)

@@ -15,7 +15,7 @@ from ..scene import view_layers
 from ..store import mixes
 from . import overlay
 
-__all__ = ["CLASSES", "coefficients_of"]
+__all__ = ["CLASSES"]
 
 
 def coefficients_of(context) -> dict[str, np.ndarray]:

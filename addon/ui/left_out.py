@@ -4,12 +4,12 @@ It is worked out when it is first looked at, and again after a new set-up; nothi
 """
 
 import bpy
-from bpy.types import Panel
 
 from ...core.picture import plan
 from ..host import inventory
 from ..scene import content, view_layers
 from . import mixer_panels
+from .panel_places import in_both_places
 
 __all__ = ["CLASSES", "work_out"]
 
@@ -93,20 +93,4 @@ class _LeftOut:
             mixer_panels.words(cost, row.cost)
 
 
-class SidebarLeftOut(_LeftOut, Panel):
-    bl_idname = "VIEW3D_PT_relume_left_out"
-    bl_parent_id = "VIEW3D_PT_relume"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Relume"
-
-
-class RenderLeftOut(_LeftOut, Panel):
-    bl_idname = "RENDER_PT_relume_left_out"
-    bl_parent_id = "RENDER_PT_relume"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-
-
-CLASSES = (SidebarLeftOut, RenderLeftOut)
+CLASSES = in_both_places(_LeftOut, "left_out")

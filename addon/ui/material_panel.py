@@ -12,6 +12,7 @@ from bpy_extras.io_utils import ImportHelper
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
+from .mixer_operators import reporting
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -104,31 +105,25 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
         default="*.csv;*.spd;*.txt;*.dat;*.spdx;*.xml;*.cgats;*.it8;*.cie;*.ti3", options={"HIDDEN"}
     )
 
-    def execute(self, context):
+    @reporting
+    def execute(self, context) -> None:
         material, node = self.target(context)
-        try:
-            found = files.read(
-                self.filepath, places.REFLECTANCE if self.takes == places.REFLECTANCE else "refractive index"
-            )
-            if self.takes == places.METAL:
-                n, k = _metal_in(found, Path(self.filepath))
-                _assign_metal(material, node, n, k)
-            elif self.takes == places.GLASS:
-                glass.replace(node, found[0])
-            else:
-                socket = places.socket_of(node, self.socket)
-                _assign_reflectance(material, socket, found[0])
-                from ...core.palette import beyond
+        found = files.read(self.filepath, self.takes if self.takes == places.REFLECTANCE else "refractive index")
+        if self.takes == places.METAL:
+            n, k = _metal_in(found, Path(self.filepath))
+            _assign_metal(material, node, n, k)
+        elif self.takes == places.GLASS:
+            glass.replace(node, found[0])
+        else:
+            socket = places.socket_of(node, self.socket)
+            _assign_reflectance(material, socket, found[0])
+            from ...core.palette import beyond
 
-                if told := beyond(found[0], spectra.shines(socket)):
-                    self.report({"WARNING"}, told)
-        except SpectrumError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            if warning := beyond(found[0], spectra.shines(socket)):
+                self.report({"WARNING"}, warning)
         used = 2 if self.takes == places.METAL else 1
         rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
         self.report({"INFO"}, f"From {found[0].source}{rest}")
-        return {"FINISHED"}
 
 
 def _metal_in(columns: list, path: Path) -> tuple[Spectrum, Spectrum]:

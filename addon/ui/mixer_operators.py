@@ -1,5 +1,8 @@
 """What the mixer's buttons do."""
 
+from collections.abc import Callable
+from functools import wraps
+
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
@@ -10,7 +13,7 @@ from ..scene import compositing, light_groups, setup
 from ..store import mixer, schema
 from . import icons
 
-__all__ = ["CLASSES", "NeedsSetUp"]
+__all__ = ["CLASSES", "NeedsSetUp", "reporting"]
 
 
 class NeedsSetUp:
@@ -24,6 +27,21 @@ class NeedsSetUp:
             cls.poll_message_set("this scene is not set up for spectral rendering")
             return False
         return True
+
+
+def reporting(work: Callable[..., None]) -> Callable[..., set[str]]:
+    """An operator's `execute` of what it does: finished, or cancelled where that raises RelumeError, which is shown."""
+
+    @wraps(work)
+    def execute(self, context) -> set[str]:
+        try:
+            work(self, context)
+        except RelumeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+    return execute
 
 
 _ITEMS = []  # Blender keeps no reference to the strings
@@ -98,14 +116,10 @@ class Regroup(NeedsSetUp, Operator):
 
     way: EnumProperty(name="Groups", items=light_groups.WAYS)
 
-    def execute(self, context) -> set[str]:
-        try:
-            count = light_groups.regroup(context.scene, self.way)
-        except setup.SetupError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    @reporting
+    def execute(self, context) -> None:
+        count = light_groups.regroup(context.scene, self.way)
         self.report({"INFO"}, f"{count} light groups; render again to see them")
-        return {"FINISHED"}
 
 
 class AddLights(NeedsSetUp, Operator):
@@ -123,13 +137,12 @@ class AddLights(NeedsSetUp, Operator):
             return False
         return super().poll(context)
 
-    def execute(self, context) -> set[str]:
+    @reporting
+    def execute(self, context) -> None:
         count = light_groups.add(context.scene, self.group, context.selected_objects)
         if not count:
-            self.report({"ERROR"}, "nothing that shines is selected")
-            return {"CANCELLED"}
+            raise SetupError("nothing that shines is selected")
         self.report({"INFO"}, f"{count} in {self.group}; render again to see it")
-        return {"FINISHED"}
 
 
 class RemoveEmptyGroups(NeedsSetUp, Operator):
@@ -195,15 +208,11 @@ class ApplySnapshot(_OfSnapshot, Operator):
     bl_idname = "relume.apply_snapshot"
     bl_label = "Apply Snapshot"
 
-    def execute(self, context) -> set[str]:
-        try:
-            missing = mixer.apply(context.scene.relume, schema.snapshot(self.chosen(context).mix))
-        except SetupError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    @reporting
+    def execute(self, context) -> None:
+        missing = mixer.apply(context.scene.relume, schema.snapshot(self.chosen(context).mix))
         if missing:
             self.report({"WARNING"}, f"the mixer has no light group {', '.join(missing)}: the rest is applied")
-        return {"FINISHED"}
 
 
 class Compare(_OfSnapshot, Operator):

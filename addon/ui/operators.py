@@ -5,15 +5,9 @@ from bpy.utils import register_classes_factory
 
 from ..scene import setup
 from . import dial, files, inspector, mixer_operators, web
-from .mixer_operators import NeedsSetUp
+from .mixer_operators import NeedsSetUp, reporting
 
-__all__ = [
-    "CLASSES",
-    "RemoveSpectralRender",
-    "SetUpSpectralRender",
-    "register",
-    "unregister",
-]
+__all__ = ["CLASSES", "register", "unregister"]
 
 
 class SetUpSpectralRender(Operator):
@@ -23,13 +17,9 @@ class SetUpSpectralRender(Operator):
     bl_label = "Set Up Spectral Render"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context) -> set[str]:
-        try:
-            setup.set_up(context.scene)
-        except setup.SetupError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    @reporting
+    def execute(self, context) -> None:
+        setup.set_up(context.scene)
 
 
 class RemoveSpectralRender(NeedsSetUp, Operator):
@@ -38,13 +28,9 @@ class RemoveSpectralRender(NeedsSetUp, Operator):
     bl_idname = "relume.remove"
     bl_label = "Remove"
 
-    def execute(self, context) -> set[str]:
-        try:
-            setup.remove(context.scene)
-        except setup.SetupError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    @reporting
+    def execute(self, context) -> None:
+        setup.remove(context.scene)
 
 
 CLASSES = (

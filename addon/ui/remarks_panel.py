@@ -1,9 +1,8 @@
 """The panel *Not Spectral*: what stays as it was, and why."""
 
-from bpy.types import Panel
-
 from ..store.remarks import REMARKS, of
 from .mixer_panels import words
+from .panel_places import in_both_places
 
 __all__ = ["CLASSES"]
 
@@ -36,20 +35,4 @@ class _Remarks:
                 box.label(text=f"and {len(remarks) - _SHOWN} more")
 
 
-class SidebarRemarks(_Remarks, Panel):
-    bl_idname = "VIEW3D_PT_relume_remarks"
-    bl_parent_id = "VIEW3D_PT_relume"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Relume"
-
-
-class RenderRemarks(_Remarks, Panel):
-    bl_idname = "RENDER_PT_relume_remarks"
-    bl_parent_id = "RENDER_PT_relume"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-
-
-CLASSES = (SidebarRemarks, RenderRemarks)
+CLASSES = in_both_places(_Remarks, "remarks")

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import bpy
 from bpy.props import IntProperty, StringProperty
-from bpy.types import Operator, Panel
+from bpy.types import Operator
 
 from ..cli import background
 from . import mixer_panels
+from .panel_places import in_both_places
 
 __all__ = ["CLASSES", "end"]
 
@@ -117,23 +118,7 @@ def _draw_rows(layout, report: background.Report) -> None:
     layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(report.folder)
 
 
-class SidebarReport(_Report, Panel):
-    bl_idname = "VIEW3D_PT_relume_report"
-    bl_parent_id = "VIEW3D_PT_relume"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Relume"
-
-
-class RenderReport(_Report, Panel):
-    bl_idname = "RENDER_PT_relume_report"
-    bl_parent_id = "RENDER_PT_relume"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-
-
-CLASSES = (MakeReport, StopReport, SidebarReport, RenderReport)
+CLASSES = (MakeReport, StopReport, *in_both_places(_Report, "report"))
 
 
 def end() -> None:

@@ -77,10 +77,9 @@ def _primaries(model: FactorModel) -> Array:
 
     Those that the reference gives its colours, so that models differ by their products alone.
     """
-    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as smooth
-
     from . import bases
 
+    smooth = library.colour_science().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
     reference = bases.bands()
     if model is not reference and np.array_equal(model.wavelengths, reference.wavelengths):
         return reference.reconstruct(_rec709_matrix(reference).T).T

@@ -20,6 +20,7 @@ __all__ = [
     "LibraryError",
     "camera",
     "cie_illuminants",
+    "colour_science",
     "conductor",
     "conductors",
     "glass",
@@ -41,9 +42,6 @@ OBSERVERS = {
     "CIE 2015 2°": "CIE 2015 2 Degree Standard Observer",
     "CIE 2015 10°": "CIE 2015 10 Degree Standard Observer",
 }
-# colour-science reads this when it is imported: no warnings of the packages, such as matplotlib, that Blender lacks
-os.environ.setdefault("COLOUR_SCIENCE__FILTER_USAGE_WARNINGS", "True")
-
 REFLECTANCE_SETS = ("ces", "colorchecker", "tcs", "cqs")
 
 # Lamps under the names that artists know, for measurements that colour-science keeps under others.
@@ -86,6 +84,20 @@ GLASSES = {name: ("popular_glass", name, "SCHOTT") for name in _SCHOTT}
 GLASSES |= {"Diamond": ("main", "C", "Phillip"), "Water": ("main", "H2O", "Hale")}
 
 
+@cache
+def colour_science() -> Any:
+    """colour-science, imported without warnings of the packages, such as matplotlib, that Blender lacks."""
+    setting = "COLOUR_SCIENCE__FILTER_USAGE_WARNINGS"
+    before = os.environ.get(setting)
+    os.environ.setdefault(setting, "True")
+    try:
+        import colour
+    finally:
+        if before is None:
+            del os.environ[setting]
+    return colour
+
+
 def _key(name: str) -> str:
     return re.sub(r"[^a-z0-9.]", "", str(name).lower())
 
@@ -103,20 +115,16 @@ def _find(name: str, names: Collection[str], what: str) -> str:
 @cache
 def _measured_illuminants() -> dict[str, Any]:
     """name -> colour-science's distribution: CIE illuminants, lamps under known names, light sources."""
-    from colour import SDS_ILLUMINANTS, SDS_LIGHT_SOURCES
-
-    named = {name: SDS_ILLUMINANTS[name] for name in SDS_ILLUMINANTS if not name.startswith("ISO")}
-    named.update({name: SDS_LIGHT_SOURCES[theirs] for name, theirs in LAMPS.items()})
-    named.update({name: SDS_LIGHT_SOURCES[name] for name in SDS_LIGHT_SOURCES if name not in named})
-    return named
+    sources = colour_science().SDS_LIGHT_SOURCES
+    named = {name: found for name, found in colour_science().SDS_ILLUMINANTS.items() if not name.startswith("ISO")}
+    named |= {name: sources[theirs] for name, theirs in LAMPS.items()}
+    return named | {name: found for name, found in sources.items() if name not in named}
 
 
 @cache
 def cie_illuminants() -> dict[str, list[str]]:
     """Names of the 52 CIE illuminants that reach 780 nm, by family."""
-    from colour import SDS_ILLUMINANTS
-
-    names = [name for name in SDS_ILLUMINANTS if not name.startswith("ISO")]
+    names = [name for name in colour_science().SDS_ILLUMINANTS if not name.startswith("ISO")]
     return {
         "Daylight": [name for name in names if re.match(r"I?D\d|[BC]$", name)],
         "Tungsten": ["A"],
@@ -130,12 +138,10 @@ def cie_illuminants() -> dict[str, list[str]]:
 @cache
 def illuminants() -> dict[str, list[str]]:
     """Names of all illuminants by family, for a menu: {family: [name, ...]}."""
-    from colour import SDS_LIGHT_SOURCES
-
     families = {family: list(names) for family, names in cie_illuminants().items()}
     families["Tungsten"] += ["Planckian 2700 K", "Planckian 2856 K", "Planckian 3200 K"]
     families["Discharge"] += list(LAMPS)
-    families["Measured lamps"] = [name for name in SDS_LIGHT_SOURCES if name not in LAMPS.values()]
+    families["Measured lamps"] = [name for name in colour_science().SDS_LIGHT_SOURCES if name not in LAMPS.values()]
     return families
 
 
@@ -189,11 +195,9 @@ def _daylight(kelvin: float) -> Spectrum:
     """CIE daylight of a correlated colour temperature (CIE 15), by colour-science."""
     if not 4000 <= kelvin <= 25_000:
         raise LibraryError(f"CIE daylight of {kelvin:g} K is out of range: give 4000 to 25000 K")
-    from colour import sd_CIE_illuminant_D_series
-    from colour.temperature import CCT_to_xy_CIE_D
-
     # c2 changed from 1.4380e-2 to 1.4388e-2 m K since D65 was named (CIE 15): "D 6500 K" is D65, at 6504 K.
-    distribution = sd_CIE_illuminant_D_series(CCT_to_xy_CIE_D(kelvin * 1.4388 / 1.4380))
+    xy = colour_science().temperature.CCT_to_xy_CIE_D(kelvin * 1.4388 / 1.4380)
+    distribution = colour_science().sd_CIE_illuminant_D_series(xy)
     return Spectrum(distribution.wavelengths, distribution.values, f"D {kelvin:g} K", "illuminant", "CIE daylight")
 
 
@@ -207,29 +211,21 @@ def reflectances(name: str) -> list[Spectrum]:
     """
     name = _find(name, REFLECTANCE_SETS, "set of reflectances")
     if name == "ces":
-        from colour import SpectralShape
-        from colour.quality.cfi2017 import load_TCS_CIE2017
-
-        samples = load_TCS_CIE2017(SpectralShape(380, 780, 5))
+        samples = colour_science().quality.cfi2017.load_TCS_CIE2017(colour_science().SpectralShape(380, 780, 5))
         return [
             Spectrum(samples.wavelengths, values, f"CES {number:02d}", "reflectance", "CIE 224")
             for number, values in enumerate(samples.values.T, start=1)
         ]
     if name == "colorchecker":
-        from colour import SDS_COLOURCHECKERS
-
-        chart = SDS_COLOURCHECKERS["BabelColor Average"]
-        return [
-            Spectrum(patch.wavelengths, patch.values, f"ColorChecker: {label}", "reflectance", "BabelColor average")
-            for label, patch in chart.items()
-        ]
-    from colour.quality.datasets import SDS_TCS, SDS_VS
-
-    # colour-science below 0.4.7 has no editions of the test colours: there it is the one of 1995
-    test_colours = SDS_TCS.get("CIE 1995", SDS_TCS)
-    chart = test_colours if name == "tcs" else SDS_VS["NIST CQS 9.0"]
+        chart = colour_science().SDS_COLOURCHECKERS["BabelColor Average"]
+        title, source = "ColorChecker", "BabelColor average"
+    else:
+        datasets, title, source = colour_science().quality.datasets, name.upper(), "colour-science"
+        # colour-science below 0.4.7 has no editions of the test colours: there it is the one of 1995
+        test_colours = datasets.SDS_TCS.get("CIE 1995", datasets.SDS_TCS)
+        chart = test_colours if name == "tcs" else datasets.SDS_VS["NIST CQS 9.0"]
     return [
-        Spectrum(patch.wavelengths, patch.values, f"{name.upper()}: {label}", "reflectance", "colour-science")
+        Spectrum(patch.wavelengths, patch.values, f"{title}: {label}", "reflectance", source)
         for label, patch in chart.items()
     ]
 
@@ -309,18 +305,14 @@ def observers() -> list[str]:
 @cache
 def observer(name: str = OBSERVER) -> Array:
     """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
-    from colour import MSDS_CMFS
-
-    functions = MSDS_CMFS[OBSERVERS[_find(name, OBSERVERS, "observer")]]
-    return _tabulated(functions)
+    return _tabulated(colour_science().MSDS_CMFS[OBSERVERS[_find(name, OBSERVERS, "observer")]])
 
 
 @cache
 def camera(name: str) -> Array:
     """Spectral sensitivities of a camera, red, green, blue -> (81, 3) on WAVELENGTHS. Raises LibraryError."""
-    from colour import MSDS_CAMERA_SENSITIVITIES
-
-    return _tabulated(MSDS_CAMERA_SENSITIVITIES[_find(name, MSDS_CAMERA_SENSITIVITIES, "camera")])
+    cameras = colour_science().MSDS_CAMERA_SENSITIVITIES
+    return _tabulated(cameras[_find(name, cameras, "camera")])
 
 
 def sensitivities(name: str) -> Array:
@@ -329,10 +321,9 @@ def sensitivities(name: str) -> Array:
     >>> sensitivities("CIE 1964 10").shape
     (81, 3)
     """
-    from colour import MSDS_CAMERA_SENSITIVITIES
-
-    known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *MSDS_CAMERA_SENSITIVITIES], "observer or camera")
-    if known in MSDS_CAMERA_SENSITIVITIES:
+    cameras = colour_science().MSDS_CAMERA_SENSITIVITIES
+    known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *cameras], "observer or camera")
+    if known in cameras:
         return camera(known)
     return observer(next(short for short, full in OBSERVERS.items() if known in (short, full)))
 

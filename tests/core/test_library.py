@@ -69,3 +69,14 @@ def test_all_materials_cover_the_visible():
             assert index.wavelengths[0] <= 380 and index.wavelengths[-1] >= 780, name
     for name in library.glasses():
         assert (library.glass(name).sampled() > 1).all(), name
+
+
+def test_the_environment_stays_as_it_was():
+    script = (
+        "import os\n"
+        "before = dict(os.environ)\n"
+        "from relume.core.spectra import library\n"
+        "assert library.illuminant('D65').values.size > 80\n"
+        "assert dict(os.environ) == before\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
