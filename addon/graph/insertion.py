@@ -31,12 +31,12 @@ def patch(conversion: Conversion, trees: Collection | None = None, gentle: bool 
     for socket, insertions in conversion.wanted.items():
         if socket.id_data in wanted:
             wanted[socket.id_data][socket] = insertions
-    optional = {socket: [Insertion(group)] for socket, group in conversion.neutral.items()} if gentle else {}
+    neutral = conversion.neutral if gentle else ()
     changes = 0
     with ExitStack() as until_done:
         for tree, chains in wanted.items():
             if chains or any(nodes.role(node) in nodes.INSERTED for node in tree.nodes):
-                changes += _Tree(conversion, conversion.by_tree[tree], until_done).patch(chains, optional)
+                changes += _Tree(conversion, conversion.by_tree[tree], until_done).patch(chains, neutral)
     return changes
 
 
@@ -47,7 +47,7 @@ class _Tree:
         self.conversion, self.shading, self.tree = conversion, shading, shading.tree
         self.until_done, self.is_touched, self.changes = until_done, False, 0
 
-    def patch(self, wanted: dict, optional: dict) -> int:
+    def patch(self, wanted: dict, neutral: Collection) -> int:
         missing, right = [], set()
         for socket, insertions in wanted.items():
             chain = self.conversion.wiring.inserted(socket)[::-1]
@@ -56,12 +56,11 @@ class _Tree:
                 self.follow(socket, chain, insertions)
             else:
                 missing.append((socket, insertions))
-        for socket, insertions in optional.items():
+        for socket in neutral:
             if socket.id_data == self.tree and socket not in wanted:
-                chain = self.conversion.wiring.inserted(socket)[::-1]
-                if self.is_right(chain, insertions):
+                chain = self.conversion.wiring.inserted(socket)
+                if [nodes.role(node) for node in chain] == ["upsample"] and _is_plain(chain[0]):
                     right.update(chain)
-                    self.follow(socket, chain, insertions)
         lit = [node.inputs["Spectrum"] for node in right if "Spectrum" in node.inputs]
         glows = {link.from_node for socket in lit for link in socket.links}
         for node in [n for n in self.tree.nodes if nodes.role(n) in nodes.INSERTED and n not in right | glows]:

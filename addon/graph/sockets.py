@@ -136,7 +136,7 @@ class Conversion:
     """What should be in front of the sockets of some node trees, as a function of the artist's own nodes alone.
 
     wanted: {socket: the insertions before it, the one at the source first}.
-    neutral: {socket: the group that it would need if its colour were not grey}.
+    neutral: sockets that need nothing because their colour is grey.
     """
 
     def __init__(self, shadings: list[Shading], channels: int) -> None:
@@ -145,7 +145,7 @@ class Conversion:
         self.by_tree = {shading.tree: shading for shading in shadings}
         self.wiring = Wiring(self.by_tree)
         self.wanted: dict[bpy.types.NodeSocket, list[Insertion]] = {}
-        self.neutral: dict[bpy.types.NodeSocket, bpy.types.NodeTree] = {}
+        self.neutral: set[bpy.types.NodeSocket] = set()
         self.animated, self.remarks = {}, []
 
     def animated_in(self, shading: Shading) -> frozenset[str]:
@@ -202,7 +202,7 @@ class Conversion:
             if self.carries_spectrum(socket):
                 waiting += self.wiring.feeds(socket) or ()
             elif self.is_neutral(socket, link):
-                self.neutral[socket] = upsample_group_for(socket, self.channels)
+                self.neutral.add(socket)
             elif socket not in self.wanted:
                 if self.is_too_pure(socket, link):
                     self.remarks.append(Remark(self.by_tree[socket.id_data].words, socket.node.name, _TOO_PURE))

@@ -4,6 +4,8 @@ A spectrum group keeps its samples in the custom property `SPECTRA`, {output soc
 for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
 """
 
+import hashlib
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -17,9 +19,11 @@ from ...core.spectra.spectrum import Spectrum
 from . import insertion, node_groups, nodes, sockets
 
 __all__ = [
+    "FILLED",
     "SPECTRA",
     "assign",
     "existing",
+    "filled_for",
     "mend_all",
     "new_conductor",
     "new_reflectance",
@@ -33,6 +37,7 @@ __all__ = [
 ]
 
 SPECTRA = "relume_spectra"
+FILLED = "relume_filled"  # on a group with spectra: a checksum of them and of the model that it is filled for
 _PLAIN = "relume_plain"  # on a spectrum group while it gets other nodes: its plain values
 
 
@@ -173,12 +178,15 @@ def _fill(tree, model: FactorModel) -> None:
         n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
         coefficients = {"IOR": n, "Extinction": k}
     _fill_with(tree, _plain_in(tree), coefficients)
+    tree[FILLED] = filled_for(tree, model)
 
 
 @contextmanager
 def _refilling(tree, plain: dict[str, tuple]) -> Iterator[None]:
     """While a spectrum group gets other nodes: where that ends part-way, its plain values are not lost."""
     tree[_PLAIN] = plain
+    if FILLED in tree:
+        del tree[FILLED]
     tree.nodes.clear()
     yield
     del tree[_PLAIN]
@@ -248,9 +256,18 @@ def _local() -> list:
 
 
 def update_all(model: FactorModel) -> None:
-    """Give every spectrum of this file the coefficients of `model`."""
+    """Give every spectrum of this file the coefficients of `model`; those that have them stay untouched."""
     for tree in _local():
-        _fill(tree, model)
+        if tree.get(FILLED) != filled_for(tree, model):
+            _fill(tree, model)
+
+
+def filled_for(tree, model: FactorModel | None) -> str:
+    """What a group with spectra notes as `FILLED` once it is filled for a model; "" for none."""
+    if model is None:
+        return ""
+    held = json.dumps([tree[SPECTRA].to_dict(), model.to_dict()])
+    return hashlib.sha256(held.encode()).hexdigest()[:16]
 
 
 def mend_all(model: FactorModel) -> None:

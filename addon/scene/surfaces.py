@@ -12,7 +12,7 @@ from . import view_layers
 
 __all__ = ["AOV", "add", "read", "remove"]
 
-AOV = "Relume Surface"
+AOV = view_layers.SURFACE
 
 
 def _output_of(tree):
