@@ -17,7 +17,7 @@ from ..core.colour import differences
 from ..core.model import bases, upsample
 from ..core.spectra import files, library
 from ..studies import experiments
-from ..studies.reports import Section, publish, survive_closed_output
+from ..studies.reports import Section, publish, status
 
 # channels: median, 90th, 99th percentile of CIEDE2000; under the CIE illuminants, under lamps never fitted to
 AIMS = {
@@ -136,7 +136,6 @@ def scene_section(reflectances):
     return Section("Scene models", "10 patches of the ColorChecker; CIEDE2000.", ("what", "reached", "aim"), rows)
 
 
-@survive_closed_output
 def main(argv=None):
     """Print the tables -> exit status."""
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.core_accuracy", description=__doc__)
@@ -146,8 +145,7 @@ def main(argv=None):
     spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
     values = np.stack([spectrum.sampled() for spectrum in spectra])
     makers = (lambda: product_section(values), metamer_section, rgb_section, lambda: scene_section(values))
-    publish("core_accuracy", (make() for make in makers), options.out)
-    return 0
+    return status("core_accuracy", lambda: publish("core_accuracy", (make() for make in makers), options.out))
 
 
 if __name__ == "__main__":
