@@ -31,3 +31,10 @@ def test_the_package_and_the_extension_have_one_version():
     done = subprocess.run([sys.executable, "setup.py", "--version"], cwd=ROOT, capture_output=True, text=True)
     extension = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     assert done.stdout.split()[-1] == extension["version"]
+
+
+def test_the_core_gives_the_names_of_the_first_version():
+    names = {"WAVELENGTHS", "FactorModel", "Spectrum", "SpectrumError", "bases", "files", "fresnel", "library", "measure"}
+    given: dict = {}
+    exec("from relume.core import *", given)
+    assert given.keys() >= names | {"palette", "plan", "upsample"}
