@@ -122,7 +122,7 @@ def scene_section(reflectances):
         inside = p99(model, own, chosen)
         beyond = p99(model, reflectances, cie, (1,)) / p99(bases.fitted(6), reflectances, cie, (1,))
         rows.append([f"p = 6, {' and '.join(names)}: p99 of its own products, up to 3 bounces", f"{inside:.2f}", "0.5"])
-        rows.append(["   p99 beyond the scene, times that of fitted", f"{beyond:.2f}", "told"])
+        rows.append(["   p99 beyond the scene, times that of fitted", f"{beyond:.2f}", "reported"])
     random = np.random.default_rng(0).random((200, 81))
     for (p, names), lobes in itertools.product(((6, ("D65",)), (12, ("A", "FL11"))), (False, True)):
         chosen = [library.illuminant(name) for name in names]
@@ -131,8 +131,12 @@ def scene_section(reflectances):
         what = f"p = {p}, {' and '.join(names)}{', with lobes' if lobes else ''}"
         lowest = model.filters.min() / model.filters.max()
         rows.append([f"{what}: largest of any reflectance, 1 bounce", f"{largest:.1e}", "1e-6"])
-        rows.append(["   its lowest filter value, as a part of the largest", f"{lowest:.3f}", "told" if lobes else "0"])
-        rows.append(["   p99 of its own products, 2 and 3 bounces", f"{p99(model, own, chosen, (2, 3)):.2f}", "told"])
+        rows.append(
+            ["   its lowest filter value, as a part of the largest", f"{lowest:.3f}", "reported" if lobes else "0"]
+        )
+        rows.append(
+            ["   p99 of its own products, 2 and 3 bounces", f"{p99(model, own, chosen, (2, 3)):.2f}", "reported"]
+        )
     return Section("Scene models", "10 patches of the ColorChecker; CIEDE2000.", ("what", "reached", "aim"), rows)
 
 

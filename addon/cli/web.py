@@ -74,30 +74,30 @@ def _quality(text: str) -> float:
     return value
 
 
-def run(told: argparse.Namespace):
+def run(options: argparse.Namespace):
     """`relume web`: one HTML file of an EXR, of a sequence or of a folder."""
     from ...core.web import page
 
-    if told.out.suffix.lower() not in (".html", ".htm"):
-        raise UsageError(f"{told.out}: a page's name ends in .html")
-    pictures = _pictures(located(told.coefficients))
-    with results.folder(told.out.parent):
-        results.expect(told.out)
+    if options.out.suffix.lower() not in (".html", ".htm"):
+        raise UsageError(f"{options.out}: a page's name ends in .html")
+    pictures = _pictures(located(options.coefficients))
+    with results.folder(options.out.parent):
+        results.expect(options.out)
         reached = page.write(
-            told.out,
+            options.out,
             pictures,
-            names=told.lamps or ("all",),
-            size=told.size,
-            quality=told.quality,
-            title=told.title,
-            bare=told.bare,
+            names=options.lamps or ("all",),
+            size=options.size,
+            quality=options.quality,
+            title=options.title,
+            bare=options.bare,
             show=shown,
             progress=console.say,
         )
     for name, difference in reached.items():
-        if difference > told.quality:
+        if difference > options.quality:
             console.say(f"{name}: ΔE {difference:.2f} of 98 % is the best that can be reached")
-    console.wrote(told.out)
+    console.wrote(options.out)
 
 
 def _pictures(path: Path) -> list["Picture"]:

@@ -96,7 +96,7 @@ def part_spectrum(name: str, measured: str = "") -> Spectrum:
 
 
 def _file_chosen(self, context):
-    """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
+    """Read the file of a row; one that cannot be used leaves the row its spectrum, and the panel says why."""
     if _quiet or not self.path:
         return
     try:

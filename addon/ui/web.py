@@ -96,20 +96,20 @@ class PasteMix(NeedsSetUp, Operator):
     def execute(self, context):
         settings = context.scene.relume
         try:
-            told = _pasted(self.words or context.window_manager.clipboard)
+            pasted = _pasted(self.words or context.window_manager.clipboard)
             image = render.described(context.scene)
-            lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), told.light)
+            lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), pasted.light)
         except RelumeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         with mixer.quiet():
-            for words in told.light:
+            for words in pasted.light:
                 group = words.rpartition("=")[0]
                 row = settings.light_groups[group]
                 row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
                 row.solo, row.gain = False, lights[group].gain
-            if told.white is not None:
-                settings.white_balance = told.white
+            if pasted.white is not None:
+                settings.white_balance = pasted.white
         mixer.mix_changed(settings, context)
         return {"FINISHED"}
 
@@ -118,12 +118,12 @@ def _pasted(text: str):
     """What the words of `relume relight` say, as its options. Raises UsageError."""
     try:
         with redirect_stderr(io.StringIO()):
-            told = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
+            pasted = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
     except (ValueError, SystemExit):
-        told = None
-    if told is None or not (told.light or told.white is not None):
+        pasted = None
+    if pasted is None or not (pasted.light or pasted.white is not None):
         raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …")
-    return told
+    return pasted
 
 
 def _image_editor(context):
