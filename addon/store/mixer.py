@@ -4,7 +4,7 @@ The names of properties are stored in files and in animations: do not rename the
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 
@@ -32,6 +32,7 @@ __all__ = [
     "is_touched",
     "mix_changed",
     "quiet",
+    "reading",
     "spectrum_of",
 ]
 
@@ -95,17 +96,23 @@ def part_spectrum(name: str, measured: str = "") -> Spectrum:
     return stored_spectrum(measured) if measured else library.illuminant(name)
 
 
-def _file_chosen(self, context):
-    """Read the file of a row; one that cannot be used leaves the row its spectrum, and the panel says why."""
-    if _quiet or not self.path:
-        return
-    try:
-        found = files.illuminant(bpy.path.abspath(self.path))
-    except RelumeError as error:
-        self.id_data.relume.problem = str(error)
-        return
-    self["measured"] = json.dumps(found.to_dict())
-    mix_changed(self, context)
+def reading(read: Callable[[str], dict | list], path: str, kept: str) -> Callable:
+    """Update of the property `path`: what is read of that file becomes `kept`, as JSON.
+
+    A file that cannot be used leaves that as it is, and the panel says why.
+    """
+
+    def chosen(self, context) -> None:
+        if _quiet or not getattr(self, path):
+            return
+        try:
+            self[kept] = json.dumps(read(bpy.path.abspath(getattr(self, path))))
+        except RelumeError as error:
+            self.id_data.relume.problem = str(error)
+        else:
+            mix_changed(self, context)
+
+    return chosen
 
 
 def _source_chosen(self, context) -> None:
@@ -196,7 +203,7 @@ class LightGroup(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and power. The spectrum is kept in the scene",
         subtype="FILE_PATH",
-        update=_file_chosen,
+        update=reading(lambda path: files.illuminant(path).to_dict(), "path", "measured"),
     )
     measured: StringProperty(name="Spectrum of the File", options={"HIDDEN"})
     blend: CollectionProperty(type=BlendPart)
