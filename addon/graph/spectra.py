@@ -14,7 +14,7 @@ from ...core.colour import spaces
 from ...core.model import fresnel
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
-from . import node_groups, nodes, sockets
+from . import insertion, node_groups, nodes, sockets
 
 __all__ = [
     "SPECTRA",
@@ -103,14 +103,14 @@ def assign(material, socket, tree, output: str = "Color"):
         node = node_tree.nodes.new("ShaderNodeGroup")
         node.node_tree = tree
         node.location = (socket.node.location.x - 220, socket.node.location.y - 60)
-    before = inserted_before(socket)
+    before = nodes.inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
         node_groups.set_spectral(before, _channels(), True)
         socket = before.inputs["Color"]
-        before = inserted_before(socket)
+        before = nodes.inserted_before(socket)
     while before is not None:
-        sockets.take_out(node_tree, material, before)
-        before = inserted_before(socket)
+        insertion.take_out(node_tree, material, before)
+        before = nodes.inserted_before(socket)
     old = socket.links[0].from_node if source_of(socket) else None
     node_tree.links.new(node.outputs[output], socket)
     if old is not None and old != node:
@@ -130,7 +130,7 @@ def _clear_unused(tree, node):
 
 def unassign(material, socket) -> None:
     """Let a shader socket of a material show its own RGB colour again, upsampled in a scene that is set up."""
-    tree, before = material.node_tree, inserted_before(socket)
+    tree, before = material.node_tree, nodes.inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
         node_groups.set_spectral(before, _channels(), False)
         socket = before.inputs["Color"]
@@ -143,15 +143,9 @@ def unassign(material, socket) -> None:
         nodes.insert(tree, socket, None, sockets.upsample_group_for(socket, _channels()))
 
 
-def inserted_before(socket):
-    """The node that set-up put right in front of a socket, None if there is none."""
-    node = socket.links[0].from_node if socket.is_linked else None
-    return node if node is not None and nodes.role(node) in nodes.INSERTED else None
-
-
 def source_of(socket):
     """The spectrum group that feeds a socket, through what set-up put in between; None if none does."""
-    while (before := inserted_before(socket)) is not None:
+    while (before := nodes.inserted_before(socket)) is not None:
         socket = before.inputs[0]
     node = socket.links[0].from_node if socket.is_linked else None
     return node.node_tree if node is not None and nodes.role(node) == "spectrum" else None

@@ -42,7 +42,8 @@ def remarks_on(scene, found: inventory.Inventory) -> list[Remark]:
     if scene.cycles.use_denoising and not denoising.available():
         faulty.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
     for layer in scene.view_layers:
-        if layer.use and all(thing.hide_render or thing.type == "CAMERA" for thing in layer.objects):
+        # None: an object that a script removed, until Blender looks at the layer again
+        if layer.use and all(t is None or t.hide_render or t.type == "CAMERA" for t in layer.objects):
             faulty.append(Remark(layer.name, "", _BARE))
     for block in found.blocks:
         if block.is_missing:

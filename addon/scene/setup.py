@@ -11,7 +11,7 @@ from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination, sampling
 from ...core.picture.mix import Light, Mix
-from ..graph import glass, lights, nodes, sockets, spectra
+from ..graph import glass, insertion, lights, nodes, sockets, spectra
 from ..host import animation, interruption, inventory
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
@@ -152,8 +152,9 @@ def _convert_colours(scene, groups: list[str], model: FactorModel) -> None:
     lamps, about_lamps = lights.take_colours(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
-    about_colours = sockets.convert(shadings, model.channels, shining.convert)
-    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colours])
+    conversion = sockets.describe(shadings, model.channels, shining.describe)
+    insertion.patch(conversion)
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *conversion.remarks])
     first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
     fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
     scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
@@ -275,7 +276,7 @@ def _take_out(scene) -> None:
             lights.restore(light)
     for tree, owner in sockets.all_trees():
         if tree not in kept_trees:
-            sockets.restore(tree, owner)
+            insertion.restore(tree, owner)
     if others:
         spectra.mend_all(others[0].relume.model())
         glass.mend_all(others[0].relume.model())
