@@ -48,14 +48,8 @@ SOURCES = [
 # What a row says about its light, and what the scene says about all of them: all that a snapshot keeps
 _ROW = ("source", "illuminant", "temperature", "cct", "path", "measured", "stops", "solo", "mute")
 BALANCE = (
-    "white_balance",
-    "white_balance_method",
-    "white_source",
-    "white_group",
-    "white_pixel",
-    "observer",
-    "observer_path",
-    "observer_measured",
+    *("white_balance", "white_balance_method", "white_source", "white_group", "white_pixel"),
+    *("observer", "observer_path", "observer_measured"),
 )
 
 _quiet = 0
@@ -288,7 +282,8 @@ def is_touched(row) -> bool:
 
 def choice(row) -> dict:
     """All that a row of the mixer says, as a snapshot keeps it."""
-    return {name: getattr(row, name) for name in _ROW} | {"blend": _blend(row)}
+    blend = [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
+    return {name: getattr(row, name) for name in _ROW} | {"blend": blend}
 
 
 def choices(settings) -> dict:
@@ -312,10 +307,6 @@ def spectrum_of(said: dict) -> Spectrum:
         return mixing.blend(tuple((part_spectrum(name, *measured), weight) for name, weight, *measured in parts))
     named = {"PLANCKIAN": f"Planckian {said['temperature']:.0f} K", "DAYLIGHT": f"D {said['cct']:.0f} K"}
     return library.illuminant(named.get(said["source"], said["illuminant"]))
-
-
-def _blend(row) -> list:
-    return [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
 
 
 def apply(settings, chosen: dict) -> list[str]:

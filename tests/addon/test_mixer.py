@@ -16,7 +16,7 @@ from relume.addon.store import mixer
 from relume.core.model import bases
 from relume.core.picture import coefficients, mixing, recombination, sequences
 from relume.core.picture.mix import Light, Mix
-from relume.core.spectra import library
+from relume.core.spectra import files, library
 
 
 @pytest.fixture
@@ -119,8 +119,8 @@ def test_how_a_file_was_read_is_shown(ready, tmp_path):
     assert np.array_equal(sockets(ready), before)
 
 
-def test_a_snapshot_holds_what_its_files_held(ready, tmp_path):
-    """To apply it reads no file: there may be none any more."""
+def test_a_snapshot_holds_what_its_files_held(ready, tmp_path, monkeypatch):
+    """No file is read to apply it: there may be none any more."""
     row, settings, path = ready.relume.light_groups[0], ready.relume, tmp_path / "three.csv"
     path.write_text("nm\tr\tg\tb\n400\t0.1\t0.2\t0.3\n700\t0.3\t0.2\t0.1\n")
     settings.observer_path, settings.observer = str(path), "FILE"
@@ -130,9 +130,11 @@ def test_a_snapshot_holds_what_its_files_held(ready, tmp_path):
     before = sockets(ready)
     row.path, row.source, settings.observer_path, settings.observer = "", "LIBRARY", "", "CIE 1931 2°"
     assert not np.array_equal(sockets(ready), before)
-    path.unlink()
-    (tmp_path / "lamp.csv").unlink()
+    read = []
+    monkeypatch.setattr(files, "illuminant", lambda path: read.append(path) or library.illuminant("A"))
+    monkeypatch.setattr(files, "observer", lambda path: read.append(path) or [])
     assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert not read
     assert settings.problem == "" and np.array_equal(sockets(ready), before)
 
 
