@@ -11,8 +11,7 @@ from .colours import normalised, scene_from_xyz, xyz_from_scene
 from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, scaled
 from .limits import beyond
 from .metamers import metamer, metameric_black, metamers
-from .pictures import matrix_colours
-from .report import Report, patches, report
+from .report import Report, matrix_colours, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
 from .tryon import TriedOn, try_on

@@ -110,7 +110,7 @@ def render():
 
 
 def test_two_paints_that_match_in_daylight_and_part_under_tungsten(window):
-    pictures = window(
+    window(
         STEPS
         + """
 def steps():
@@ -149,11 +149,10 @@ def steps():
 """,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 5
 
 
 def test_patches_buttons_and_undo_by_clicks(window):
-    pictures = window(
+    window(
         STEPS
         + """
 # Of a matrix of two lights and two reflectances; lower where a wanted colour is shown
@@ -192,7 +191,6 @@ def steps():
 """,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 3
 
 
 def test_both_themes_and_the_image_editor(window):
