@@ -20,7 +20,7 @@ import relume  # noqa: E402
 from relume.addon.scene import setup  # noqa: E402
 from relume.addon.store import properties  # noqa: E402
 
-from . import compositing, lighting, scenes, session, shading, staging  # noqa: E402, F401
+from . import compositing, kinds, lighting, scenes, session, shading, staging  # noqa: E402, F401
 from .carried import carried  # noqa: E402
 from .kinds import EDITS  # noqa: E402
 from .plain import plain, unlike  # noqa: E402
@@ -63,24 +63,24 @@ def do(kind: str, number: int, follow: bool) -> str | None:
     if kind == "save_and_reload" or (words and kind not in _UNDO):
         bpy.ops.ed.undo_push(message=kind)
     bpy.context.view_layer.update()
-    if follow and _set_up():
-        follower.follow()
+    if follow:
+        _pause()
     return words
 
 
-def _show_frames() -> None:
-    """Give what is animated the value of its frame, as loading the file does."""
-    for scene in bpy.data.scenes:
-        if scene.library is None:
-            scene.frame_set(scene.frame_current)
+def _pause() -> None:
+    bpy.context.view_layer.update()
+    if _set_up():
+        follower.follow()
+
+
+kinds.pause = _pause
 
 
 def keep(path: str) -> dict:
     """Settle every scene that is set up, and save a copy of the file; returns what it carries."""
-    _show_frames()
     for scene in _set_up():
         follower.settle(scene)
-    _show_frames()
     found = carried()
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
     return found
@@ -99,13 +99,10 @@ def compare(artists: str, twins: str, carries: dict) -> list[str]:
     models = {scene: (scene.relume.model(), scene[properties.PLAN].to_dict()) for scene in _set_up()}
     for scene in models:
         setup.remove(scene)
-    _show_frames()
     removed = plain()
     _set_up_as(models)
-    _show_frames()
     afresh = carried()
     bpy.ops.wm.open_mainfile(filepath=twins)
-    _show_frames()
     found = {
         "loaded": differences(carries, loaded),
         "afresh": differences(afresh, carries),

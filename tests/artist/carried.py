@@ -4,6 +4,7 @@ Relume added, their places and their order say nothing.
 Left out, each because a set-up that was made afresh has it otherwise for good reasons:
 - the note on renders (`relume_note_of`, `stamp_note_text`): written when a file is saved or rendered, not at set-up;
 - `relume_remarks` as text: compared as a set, for their order is that of the objects;
+- values that are animated: when Blender last worked them out depends on what was shown in the session;
 - data-blocks that nothing uses in the end: a saved file has none of them;
 - what a row of the mixer had as its number before its scene was set up (`place`).
 """
@@ -19,6 +20,7 @@ from relume.addon.store import mixer, remarks
 __all__ = ["carried"]
 
 _OFTEN = {"relume_note_of", "relume_note_off", remarks.REMARKS}
+_HIDDEN = "Subsurface IOR"  # in a material that was copied, Blender notices only later that it is not used
 _NOTES = {"stamp_note_text", "use_stamp_note"}
 _INPUT = re.compile(r'(node_tree\.)?nodes\["((?:[^"\\]|\\.)+)"\]\.inputs\[(\d+)\](.*)')
 
@@ -65,21 +67,28 @@ def _is_ours(node) -> bool:
 
 
 def _shading(tree, owner, groups: dict) -> dict:
+    moving = animation.paths(tree, owner)
     found = {
         node.name: {
             "group": _group(node, groups),
-            **{s.identifier: _input(s, groups) for s in node.inputs if s.enabled},
+            **{s.identifier: _input(s, groups, moving) for s in node.inputs if s.enabled and s.name != _HIDDEN},
         }
         for node in tree.nodes
         if not _is_ours(node)
     }
     loose = [n for n in tree.nodes if _is_ours(n) and not any(socket.is_linked for socket in n.outputs)]
+    own = {key: _own(owner[key], tree) for key in owner.keys() if key.startswith("relume_")}
+    lamp = [list(owner.color), owner.use_temperature, owner.energy] if owner.id_type == "LIGHT" else []
+    if lamp and any(path == "color" or "relume_moved" in owner for path in animation.paths(owner, owner)):
+        lamp[0] = own.get("relume_color", {})["color"] = "animated"
+    if lamp and "energy" in animation.paths(owner, owner):
+        lamp[2] = "animated"
     return {
         "nodes": found,
         "of ours without a use": [nodes.role(node) for node in loose],
         "animation": sorted(_curves(tree, tree) + (_curves(owner, tree) if owner != tree else [])),
-        "own": {key: _own(owner[key], tree) for key in owner.keys() if key.startswith("relume_")},
-        "lamp": [list(owner.color), owner.use_temperature, owner.energy] if owner.id_type == "LIGHT" else [],
+        "own": own,
+        "lamp": lamp,
     }
 
 
@@ -122,15 +131,17 @@ def _group(node, groups: dict) -> str:
     return f"{name} {number}"
 
 
-def _input(socket, groups: dict):
+def _input(socket, groups: dict, moving):
     """Where the value of an input comes from, through what Relume put in front of it."""
     if not socket.is_linked:
+        if moving and hasattr(socket, "default_value") and socket.path_from_id("default_value") in moving:
+            return "animated"
         return _plain(getattr(socket, "default_value", None))
     link = socket.links[0]
     node = link.from_node
     if not _is_ours(node):
         return [node.name, link.from_socket.identifier, link.is_muted]
-    own = {s.name: _input(s, groups) for s in node.inputs if s.enabled}
+    own = {s.name: _input(s, groups, moving) for s in node.inputs if s.enabled}
     kept = {key: str(node[key]) for key in node.keys() if key.startswith("relume_")}
     return {"by": _group(node, groups) or node.bl_idname, "muted": node.mute or link.is_muted, "of": own, **kept}
 
@@ -155,18 +166,26 @@ def _own(value, tree=None):
 def _scene(scene, groups: dict) -> dict:
     data = scene.animation_data
     own = {key: _own(scene[key]) for key in scene.keys() if key.startswith("relume_") and key not in _OFTEN}
+    moving = {path.removeprefix("cycles.") for path in animation.paths(scene, scene)}
+    for name in moving & {name.removeprefix("cycles.") for name in own.get("relume_before", ())}:
+        del own["relume_before"][f"cycles.{name}"]
     return {
         "layers": {layer.name: _layer(layer) for layer in scene.view_layers},
         "order": [layer.name for layer in scene.view_layers],
         "render": _values(scene.render, _NOTES),
-        "cycles": _values(scene.cycles),
+        "cycles": _values(scene.cycles, moving),
         "drivers": sorted(map(_driver, data.drivers)) if data else [],
         "rows": [_row(row) for row in scene.relume.light_groups],
         "own": own,
-        "remarks": sorted(map(str, remarks.of(scene))),
+        "remarks": sorted(map(_remark, remarks.of(scene))),
         "problem": scene.relume.problem,
         "compositing": _compositing(scene.compositing_node_group, groups),
     }
+
+
+def _remark(remark) -> str:
+    """A remark in words, without the path of a library, which becomes relative when the file is saved."""
+    return re.sub(r"from \S*?(\w+\.blend)", r"from \1", str(remark))
 
 
 def _row(row) -> dict:

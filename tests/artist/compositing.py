@@ -4,6 +4,7 @@ import bpy
 
 from relume.addon.graph import nodes
 
+from . import kinds
 from .kinds import add_node, artists_nodes, edit, own_layers, pick
 
 
@@ -69,6 +70,7 @@ def tint_with_a_pass(chance, scene):
     if render is None or end is None:
         return None
     layer.use_pass_diffuse_color = True
+    kinds.pause()  # until then the node shows no such pass
     mix = add_node(tree, "ShaderNodeMix")
     mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
     a, b = (next(s for s in mix.inputs if s.name == n and s.type == "RGBA") for n in "AB")
@@ -78,7 +80,7 @@ def tint_with_a_pass(chance, scene):
     if passes:
         tree.links.new(passes[0], b)
     tree.links.new(next(s for s in mix.outputs if s.type == "RGBA"), end.inputs[0])
-    return "tinted with Diffuse Color"
+    return "tinted with Diffuse Color" if passes else "no Diffuse Color to tint with"
 
 
 @edit

@@ -23,6 +23,7 @@ __all__ = [
     "meshes",
     "own_layers",
     "own_socket",
+    "pause",
     "pick",
     "things",
 ]
@@ -61,6 +62,10 @@ def own_socket(socket):
     while socket.is_linked and nodes.role(socket.links[0].from_node) in nodes.INSERTED:
         socket = socket.links[0].from_node.inputs[0]
     return socket
+
+
+def pause() -> None:
+    """Wait, in the middle of an edit, for what Relume does while the artist is idle: the actor puts that here."""
 
 
 def pick(chance: random.Random, members: list):

@@ -109,9 +109,8 @@ def give_a_lamp_a_temperature(chance, scene):
     lamp, kelvin = pick(chance, lamps(scene)), chance.choice([2700.0, 4000.0, 9000.0])
     if lamp is None:
         return None
-    lamp.data.use_temperature = chance.random() < 0.7
-    lamp.data.temperature = kelvin
-    return f"{lamp.name} {kelvin if lamp.data.use_temperature else 'no'} K"
+    lamp.data.use_temperature, lamp.data.temperature = True, kelvin
+    return f"{lamp.name} {kelvin} K"
 
 
 @edit

@@ -167,7 +167,8 @@ def add_an_aov(chance, scene):
 @edit
 def add_a_view_layer(chance, scene):
     layer = scene.view_layers.new(f"own {chance.randint(1, 99)}")
-    return f"layer {layer.name}"
+    layer.use = chance.random() < 0.7
+    return f"layer {layer.name}{'' if layer.use else ', not rendered'}"
 
 
 @edit
@@ -227,13 +228,6 @@ def choose_another_camera(chance, scene):
     scene.collection.objects.link(camera)
     scene.camera = camera
     return "another camera"
-
-
-@edit
-def render_a_layer_or_not(chance, scene):
-    layer = pick(chance, own_layers(scene))
-    layer.use = not layer.use
-    return f"layer {layer.name} rendered {layer.use}"
 
 
 @edit
