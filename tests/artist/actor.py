@@ -77,8 +77,16 @@ def _pause() -> None:
 kinds.pause = _pause
 
 
+def _show_frames() -> None:
+    """Give what is animated the value of its frame, as a render does."""
+    for scene in bpy.data.scenes:
+        if scene.library is None:
+            scene.frame_set(scene.frame_current)
+
+
 def keep(path: str) -> dict:
     """Settle every scene that is set up, and save a copy of the file; returns what it carries."""
+    _show_frames()
     for scene in _set_up():
         follower.settle(scene)
     found = carried()
@@ -94,15 +102,14 @@ def compare(artists: str, twins: str, carries: dict) -> list[str]:
     """
     from dump import differences
 
-    bpy.ops.wm.open_mainfile(filepath=artists)
-    loaded = carried()
-    models = {scene: (scene.relume.model(), scene[properties.PLAN].to_dict()) for scene in _set_up()}
-    for scene in models:
+    loaded = _opened(artists)
+    _afresh()
+    afresh = carried()
+    _opened(artists)
+    for scene in _set_up():
         setup.remove(scene)
     removed = plain()
-    _set_up_as(models)
-    afresh = carried()
-    bpy.ops.wm.open_mainfile(filepath=twins)
+    _opened(twins)
     found = {
         "loaded": differences(carries, loaded),
         "afresh": differences(afresh, carries),
@@ -111,7 +118,18 @@ def compare(artists: str, twins: str, carries: dict) -> list[str]:
     return [f"{stage}{line}" for stage, lines in found.items() for line in lines]
 
 
-def _set_up_as(models: dict) -> None:
+def _opened(path: str) -> dict:
+    """Open a file; returns what it carries."""
+    bpy.ops.wm.open_mainfile(filepath=path)
+    _show_frames()
+    return carried()
+
+
+def _afresh() -> None:
+    """Remove the set-up of every scene, and set them up again with the models that they had."""
+    models = {scene: (scene.relume.model(), scene[properties.PLAN].to_dict()) for scene in _set_up()}
+    for scene in models:
+        setup.remove(scene)
     for scene, (model, plan) in models.items():
         setup.set_up(scene, model)
         scene[properties.PLAN] = plan
@@ -119,14 +137,11 @@ def _set_up_as(models: dict) -> None:
 
 def pictures(path: str, folder: str) -> list[str]:
     """Where renders of a file differ from renders of it after a fresh set-up."""
-    bpy.ops.wm.open_mainfile(filepath=path)
+    _opened(path)
     names = [scene.name for scene in _set_up() if scene.render.engine == "CYCLES" and scene.camera]
     before = {name: _rendered(bpy.data.scenes[name], folder) for name in names}
-    bpy.ops.wm.open_mainfile(filepath=path)
-    models = {scene: (scene.relume.model(), scene[properties.PLAN].to_dict()) for scene in _set_up()}
-    for scene in models:
-        setup.remove(scene)
-    _set_up_as(models)
+    _opened(path)
+    _afresh()
     return [line for name in names for line in _unlike(name, before[name], _rendered(bpy.data.scenes[name], folder))]
 
 

@@ -15,6 +15,7 @@ _LEFT_OUT = [
     (r"^/images/Render Result", "Blender makes it when something renders or composites, and keeps it"),
     (r"^/node_groups/[^/]+/.*(location|location_absolute|width|dimensions)\b", "where a node lies in the editor"),
     (r"^/libraries/[^/]+/(filepath|name|parent)", "sessions save into folders of their own"),
+    (r"^/particles/.*/force_field_\d/seed", "Blender draws it anew for each copy"),
     (r"/point_cache/.*(info|is_outdated)\b", "what Blender has computed of particles in this session"),
     (r"^/actions/.*/groups/", "Blender names a group of curves after the node that was keyed"),
 ]

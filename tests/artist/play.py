@@ -78,10 +78,18 @@ class Actor:
                 raise EOFError
             return self.pipe.recv()
         except (EOFError, ConnectionError):
-            hung = self.process.poll() is None
+            hung = self._is_alive()
             self.stop()
             said = (self.folder / "log.txt").read_text(errors="replace")[-3000:]
             raise Ended(f"{'hung' if hung else 'crashed'}/{self.role} in {self.asked}\n{said}") from None
+
+    def _is_alive(self) -> bool:
+        """Whether the process goes on a moment after it gave no answer."""
+        try:
+            self.process.wait(2.0)
+        except subprocess.TimeoutExpired:
+            return True
+        return False
 
     def answer(self):
         """The result of what was asked. Raises Ended."""
