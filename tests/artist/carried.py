@@ -6,9 +6,11 @@ Left out, each because a set-up that was made afresh has it otherwise for good r
 - `relume_remarks` as text: compared as a set, for their order is that of the objects;
 - values that are animated: when Blender last worked them out depends on what was shown in the session;
 - data-blocks that nothing uses in the end: a saved file has none of them;
-- what a row of the mixer had as its number before its scene was set up (`place`).
+- what shone in a light group that has none now, and the order of such rows behind the others: remembered so that the
+  row follows its lamps.
 """
 
+import json
 import re
 
 import bpy
@@ -166,6 +168,9 @@ def _own(value, tree=None):
 def _scene(scene, groups: dict) -> dict:
     data = scene.animation_data
     own = {key: _own(scene[key]) for key in scene.keys() if key.startswith("relume_") and key not in _OFTEN}
+    if "relume_members" in own:
+        lit = {row.name for row in scene.relume.lit}
+        own["relume_members"] = {name: who for name, who in json.loads(own["relume_members"]).items() if name in lit}
     moving = {path.removeprefix("cycles.") for path in animation.paths(scene, scene)}
     for name in moving & {name.removeprefix("cycles.") for name in own.get("relume_before", ())}:
         del own["relume_before"][f"cycles.{name}"]
@@ -175,7 +180,9 @@ def _scene(scene, groups: dict) -> dict:
         "render": _values(scene.render, _NOTES),
         "cycles": _values(scene.cycles, moving),
         "drivers": sorted(map(_driver, data.drivers)) if data else [],
-        "rows": [_row(row) for row in scene.relume.light_groups],
+        "rows": [
+            _row(row) for row in sorted(scene.relume.light_groups, key=lambda row: "" if row.is_lit else row.name)
+        ],
         "own": own,
         "remarks": sorted(map(_remark, remarks.of(scene))),
         "problem": scene.relume.problem,
@@ -188,9 +195,14 @@ def _remark(remark) -> str:
     return re.sub(r"from \S*?(\w+\.blend)", r"from \1", str(remark))
 
 
+def _place_of_row(row) -> str:
+    return "" if row.is_lit else row.name
+
+
 def _row(row) -> dict:
-    own = {key: _own(row[key]) for key in (mixer.CURVE, "swatch") if key in row}
-    return {**_values(row, {"is_open"}), **own}
+    """A row of the mixer; of one without light only what the artist chose, for its icon is that of its last light."""
+    own = {key: _own(row[key]) for key in (mixer.CURVE,) if key in row and row.is_lit}
+    return {**_values(row, {"is_open"} if row.is_lit else {"is_open", "swatch"}), **own}
 
 
 def _driver(curve) -> str:

@@ -9,6 +9,7 @@ from .kinds import add_node, artists_nodes, edit, own_layers, pick
 
 
 def _own_tree(scene):
+    kinds.pause()  # what Relume added there follows the edit before
     tree = scene.compositing_node_group
     return tree if tree is not None and tree.library is None and not tree.get(nodes.ROLE) else None
 

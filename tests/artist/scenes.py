@@ -180,6 +180,7 @@ def air_and_sky(scene):
     tree = _cube_material().node_tree
     absorbing = _link(tree, "ShaderNodeVolumeAbsorption", tree.nodes["Material Output"].inputs["Volume"], 0)
     absorbing.inputs["Color"].default_value = (0.9, 0.2, 0.2, 1.0)
+    scene.world.cycles.sampling_method, scene.world.cycles.sample_map_resolution = "MANUAL", 16  # quick
     image = bpy.data.images.new("surroundings", 16, 8, float_buffer=True)
     image.generated_type = "COLOR_GRID"
     _link(sky, "ShaderNodeTexEnvironment", sky.nodes["Background"].inputs["Color"], image=image)
