@@ -4,7 +4,8 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..core.errors import RelumeError
-from .scene import baking, compositing, follower, light_groups, note, render, setup, view_layers
+from .graph import nodes
+from .scene import baking, comparison, follower, light_groups, note, render, setup, view_layers
 from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
@@ -31,7 +32,7 @@ def _follow(scene, depsgraph) -> None:
         return
     _followed[scene.session_uid] = mix
     setup.follow(scene, mixer.choices(settings))
-    compositing.move_wipe(scene, settings.wipe)
+    comparison.move_wipe(scene, settings.wipe)
 
 
 @persistent
@@ -65,15 +66,19 @@ def _look_again(*_) -> None:
 
 
 @persistent
-def _settle(*_) -> None:
-    for scene in follower.followed():
-        follower.settle(scene)
+def _loaded(*_) -> None:
+    """Clean up while no step of undo knows the file yet."""
+    nodes.clear_orphans()
+    if follower.followed():
+        nodes.keep_spares()
+    nodes.is_undo_unsafe(now_safe=True)
+    _look_again()
 
 
 @persistent
-def _settle_for_render(*_) -> None:
+def _settle(*_) -> None:
     for scene in follower.followed():
-        follower.settle(scene, renders=True)
+        follower.settle(scene)
 
 
 @persistent
@@ -120,7 +125,7 @@ _HANDLERS = (
     ("undo_post", _look_again),
     ("redo_post", _look_again),
     ("animation_playback_post", _look_again),
-    ("render_init", _settle_for_render),
+    ("render_init", _settle),
     ("render_init", _bake),
     ("render_init", _note),
     ("render_complete", _forget),
@@ -129,13 +134,13 @@ _HANDLERS = (
     ("save_pre", _before_saving),
     ("save_post", _forget_all),
     ("load_post", _forget_all),
-    ("load_post", _look_again),
+    ("load_post", _loaded),
 )
 _CHANGES = {
     changes.MIX: setup.relight,
     changes.LIGHT_GROUP_RENAMED: light_groups.rename,
     changes.PASSES: setup.update,
-    changes.WIPE: compositing.move_wipe,
+    changes.WIPE: comparison.move_wipe,
 }
 
 

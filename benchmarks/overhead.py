@@ -25,7 +25,7 @@ import bpy
 import numpy as np
 
 from ..addon.host import denoising
-from ..addon.scene import render, setup
+from ..addon.scene import passes, render, setup
 from ..assets import make_room
 from ..core.colour import differences, spaces
 from ..core.model import bases, channel_order, upsample
@@ -39,9 +39,9 @@ SCENES = {"room": make_room.build, "lamps": hard_scenes.many_lights, "glass": ha
 # Each takes away one more: (words, module, function, what stands in for it); with a noise threshold, only the other
 _VARIANTS = [
     ("even shares", sampling, "shares", lambda model, lights: np.full(model.passes, 1 / model.passes)),
-    ("and seeds of their own", setup, "sampling_for", lambda scene, model: _with_seeds(scene, model)),
+    ("and seeds of their own", passes, "sampling_for", lambda scene, model: _with_seeds(scene, model)),
     ("and channels by wavelength", channel_order, "balanced", lambda model: model),
-    ("and the same seed", setup, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
+    ("and the same seed", passes, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
 ]
 _THRESHOLD = [("one threshold for all", sampling, "adaptive", lambda threshold, minimum, *_: (threshold, minimum))]
 

@@ -108,9 +108,11 @@ class _Tree:
             self.changes += 1
             first[_GIVEN] = written
             own.default_value = _fitted(socket.default_value, own)
-        path = socket.path_from_id("default_value")
-        if path in self.conversion.animated_in(self.shading):
+        path, animated = socket.path_from_id("default_value"), self.conversion.animated_in(self.shading)
+        if path in animated:
             self.move_animation(path, first)
+        elif own.path_from_id("default_value") in animated and _ANIMATED not in first:
+            first[_ANIMATED] = path
         for node, insertion in zip(chain, insertions, strict=True):
             if insertion.lamp:
                 self.tint(node, insertion.lamp)
@@ -186,11 +188,14 @@ def take_out(tree: bpy.types.NodeTree, owner, node) -> None:
     """Take one inserted node out of a tree; its animation goes back to where it was."""
     if _GIVEN in node and not node.inputs[0].is_linked:
         _take_over(node)
-    if _ANIMATED in node:
+    targets = [link.to_socket for link in node.outputs[0].links]
+    if _ANIMATED in node or targets:
+        # What the artist animated since is animated at the node itself
+        before = node.get(_ANIMATED) or targets[0].path_from_id("default_value")
         after = node.inputs[0].path_from_id("default_value")
-        animation.move(tree, after, node[_ANIMATED])
+        animation.move(tree, after, before)
         if owner != tree:
-            animation.move(owner, f"node_tree.{after}", f"node_tree.{node[_ANIMATED]}")
+            animation.move(owner, f"node_tree.{after}", f"node_tree.{before}")
     nodes.take_out(tree, node)
 
 

@@ -269,8 +269,9 @@ def first_illuminant(temperatures: dict[str, float], group: str) -> str:
 class Lighting:
     """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
 
-    def __init__(self, model: FactorModel, groups: list[str], lamps: dict, shadings: list) -> None:
-        self.model, self.groups, self.lamps = model, groups, lamps
+    def __init__(self, model: FactorModel, groups: dict[str, int], lamps: dict, shadings: list) -> None:
+        self.model, self.groups, self.numbers, self.lamps = model, list(groups), groups, lamps
+        groups = self.groups
         self.temperatures = temperatures_of(groups, lamps, shadings)
 
     def _emitter(self, name: str, kelvin: float):
@@ -289,7 +290,7 @@ class Lighting:
         kelvin, lamp, wanted = blackbody_behind(socket), self.lamps.get(shading.owner), []
         if kelvin:
             wanted.append(sockets.Insertion(self._emitter(name, kelvin)))
-        group = node_groups.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
+        group = node_groups.light_group(self.numbers[name], self.model.channels, spectral or kelvin is not None)
         glow = self._emitter(name, lamp.temperature) if lamp and lamp.temperature else None
         conversion.wanted[socket] = [*wanted, sockets.Insertion(group, lamp, glow)]
         self._remark_on_colour(conversion, shading, socket, lamp)

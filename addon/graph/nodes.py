@@ -19,6 +19,8 @@ __all__ = [
     "holder",
     "insert",
     "inserted_before",
+    "is_undo_unsafe",
+    "keep_spares",
     "mixed",
     "multiply_add",
     "new_tree",
@@ -32,7 +34,9 @@ __all__ = [
 ROLE = "relume_role"
 INSERTED = frozenset({"upsample", "light", "emitter"})  # roles of the groups that `insert` puts in front of sockets
 _KEPT = "relume_kept"  # on an inserted node: its value is not the artist's, and goes nowhere
+_SPARES = {"ShaderNodeTree": 8, "CompositorNodeTree": 3}  # node groups that are kept ready, by kind
 _staying = 0
+_is_unsafe = False
 _STEP = 180  # editor units between columns of nodes
 
 
@@ -43,10 +47,37 @@ def role(node) -> str:
 
 
 def new_tree(name: str, kind: str, role_name: str):
-    """An empty node tree of a kind that says which role it has."""
-    tree = bpy.data.node_groups.new(name, kind)
-    tree[ROLE] = role_name
+    """An empty node tree of a kind that says which role it has: a spare one, where there is one."""
+    global _is_unsafe
+    tree = next((t for t in _spares(kind)), None)
+    if tree is None:
+        tree, _is_unsafe = bpy.data.node_groups.new(name, kind), True
+    tree.name, tree[ROLE] = name, role_name
     return tree
+
+
+def _spares(kind: str) -> list:
+    found = (t for t in bpy.data.node_groups if t.get(ROLE) == "spare" and t.bl_idname == kind)
+    return [tree for tree in found if tree.users == 0 and tree.library is None]
+
+
+def keep_spares() -> None:
+    """Have node groups ready that nothing uses yet.
+
+    An undo step knows the data-blocks of when it was made, and Blender ends where a step leaves something unchanged
+    that has come to use a data-block since. So what is needed without a step of undo has to be there before.
+    """
+    for kind, count in _SPARES.items():
+        for _ in range(count - len(_spares(kind))):
+            bpy.data.node_groups.new("Relume Spare", kind)[ROLE] = "spare"
+
+
+def is_undo_unsafe(now_safe: bool = False) -> bool:
+    """Whether a node group was made, for want of a spare one, since it was last said that all are known to undo."""
+    global _is_unsafe
+    if now_safe:
+        _is_unsafe = False
+    return _is_unsafe
 
 
 def add(tree, kind: str, column: int, row: int = 0, **settings):
@@ -180,7 +211,7 @@ def take_out(tree, node) -> None:
 
 def clear_orphans() -> None:
     """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays)."""
-    roles = ("compositing", *INSERTED, "recombination", "comparison", "view")
+    roles = ("compositing", *INSERTED, "recombination", "comparison", "view", "spare")
     for role_name in roles:
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:

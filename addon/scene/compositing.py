@@ -12,13 +12,12 @@ from ...core.picture.recombination import for_passes
 from ..graph import node_groups, nodes
 from ..host import denoising
 from ..store import properties
-from . import view_layers
+from . import comparison, view_layers
+from .comparison import COMPARISON, LINE
 
 __all__ = [
     "compare",
-    "end_comparison",
     "follow_names",
-    "move_wipe",
     "patch",
     "recombinations",
     "remove",
@@ -29,19 +28,16 @@ __all__ = [
 _SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 _ADDED = "relume_added"  # on the nodes that Relume added
 _TREE = "Relume Compositing"
-_COMPARISON = "relume_comparison"  # on the nodes of a comparison
-_LINE = "relume_line"  # on the node that says where the pictures meet
 _WIRING = "relume_wiring"  # on a scene: what its compositing looked like when it was set up
 _STEP = 240
 
 
-def _new_tree(source: str):
+def _new_tree(scene, source: str):
     """Compositing for a scene that had none: the render goes straight to the output."""
-    tree = bpy.data.node_groups.new(_TREE, "CompositorNodeTree")
-    tree[nodes.ROLE] = "compositing"
+    tree = nodes.new_tree(_TREE, "CompositorNodeTree", "compositing")
     tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     render_layers = tree.nodes.new("CompositorNodeRLayers")
-    render_layers.layer = source
+    render_layers.scene, render_layers.layer = scene, source
     render_layers.location = (-3 * _STEP, 0)
     output = tree.nodes.new("NodeGroupOutput")
     output.location = (2 * _STEP, 0)
@@ -59,7 +55,7 @@ def patch(scene, groups: list[str]) -> bool:
     _take_out_all(scene)
     layers = view_layers.pass_layers(scene)
     if scene.compositing_node_group is None:
-        scene.compositing_node_group = _new_tree(next(iter(layers)))
+        scene.compositing_node_group = _new_tree(scene, next(iter(layers)))
     tree = scene.compositing_node_group
     for source, copies in layers.items():
         shown = [n for n in tree.nodes if n.type == "R_LAYERS" and n.scene == scene and n.layer == source]
@@ -73,7 +69,7 @@ def patch(scene, groups: list[str]) -> bool:
 
 def _is_right(scene, groups: list[str]) -> bool:
     tree, layers = scene.compositing_node_group, view_layers.pass_layers(scene)
-    if tree is None or scene.get(_WIRING) != _wiring(scene, groups):
+    if tree is None or scene.get(_WIRING) != _wiring(scene, groups) or _left_behind(scene):
         return False
     for node in tree.nodes:
         own = node.type == "R_LAYERS" and node.scene == scene and _ADDED not in node
@@ -92,20 +88,28 @@ def _wiring(scene, groups: list[str]) -> str:
     made_for = [groups, layers, scene.relume.denoises_passes, cycles.use_denoising]
     if cycles.use_denoising:
         made_for += [denoising.guides_of(scene), denoising.prefilter_of(scene)]
-    added = [node for node in tree.nodes if _ADDED in node and _COMPARISON not in node]
+    added = [node for node in tree.nodes if _ADDED in node and COMPARISON not in node]
     shown = [(node.name, getattr(node, "layer", ""), node.mute) for node in [*added, *_fed(scene)]]
     links = [
         (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.name, link.is_muted)
         for link in tree.links
-        if _ADDED in link.to_node and _COMPARISON not in link.to_node
+        if _ADDED in link.to_node and COMPARISON not in link.to_node
     ]
     return json.dumps([made_for, sorted(shown), sorted(links)])
 
 
-def _fed(scene) -> list:
-    """The artist's Render Layers nodes that became first passes."""
-    nodes_ = scene.compositing_node_group.nodes
-    return [node for node in nodes_ if _SOURCE in node and node.scene == scene]
+def _fed(scene, tree=None) -> list:
+    """The artist's Render Layers nodes that became first passes, in the scene's compositing or in another tree."""
+    tree = tree or scene.compositing_node_group
+    return [node for node in tree.nodes if _SOURCE in node and node.scene == scene]
+
+
+def _left_behind(scene) -> list:
+    """Compositing that the artist has taken from the scene, and that Relume has added to."""
+    others = (t for t in bpy.data.node_groups if t.bl_idname == "CompositorNodeTree" and not t.get(nodes.ROLE))
+    return [
+        tree for tree in others if tree != scene.compositing_node_group and tree.library is None and _fed(scene, tree)
+    ]
 
 
 def _raw(first, groups: list[str]) -> list:
@@ -221,7 +225,11 @@ def _as_rendered(scene, matrices: np.ndarray) -> np.ndarray:
 def recombinations(scene) -> list:
     """The nodes that recombine the scene's coefficient passes."""
     tree = scene.compositing_node_group
-    found = [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
+    return _recombinations(tree, scene) if tree else []
+
+
+def _recombinations(tree, scene) -> list:
+    found = [node for node in tree.nodes if nodes.role(node) == "recombination"]
     return [node for node in found if _scene_of(node) in (scene, None)]
 
 
@@ -252,19 +260,23 @@ def remove(scene) -> None:
 
 def _take_out_all(scene) -> None:
     """Take what was added out of a scene's compositing."""
-    tree = scene.compositing_node_group
     if _WIRING in scene:
         del scene[_WIRING]
-    if tree is None:
-        return
-    end_comparison(scene)
-    for recombination in recombinations(scene):
+    if scene.compositing_node_group is not None:
+        comparison.end(scene)
+        _clear(scene.compositing_node_group, scene)
+    for tree in _left_behind(scene):
+        _clear(tree, scene)
+
+
+def _clear(tree, scene) -> None:
+    for recombination in _recombinations(tree, scene):
         if recombination.inputs["Alpha"].is_linked:
             _take_out(tree, recombination.inputs["Alpha"].links[0].from_node, recombination)
     for node in [node for node in tree.nodes if _ADDED in node and _belongs(node, scene)]:
         tree.nodes.remove(node)
     names = view_layers.source_names(scene)
-    for node in _fed(scene):
+    for node in _fed(scene, tree):
         if node[_SOURCE] in names:
             node.layer = names[node[_SOURCE]]
         del node[_SOURCE]
@@ -296,7 +308,7 @@ def _belongs(node, scene) -> bool:
 
 def compare(scene, matrices: np.ndarray) -> None:
     """Show the picture of other (groups, 3, p) matrices right of a line that `move_wipe` moves."""
-    end_comparison(scene)
+    comparison.end(scene)
     tree = scene.compositing_node_group
     for first in recombinations(scene):
         users = [link.to_socket for link in first.outputs["Image"].links]
@@ -314,7 +326,7 @@ def compare(scene, matrices: np.ndarray) -> None:
         right.operation = "GREATER_THAN"
         mix = _added(tree, "ShaderNodeMix", first, 1.9, -2)
         mix.data_type = "RGBA"
-        mix[_COMPARISON] = True
+        mix[COMPARISON] = True
         factor, a, b = (next(s for s in mix.inputs if s.name == n and s.enabled) for n in ("Factor", "A", "B"))
         tree.links.new(first.outputs["Image"], place.inputs["Image"])
         tree.links.new(place.outputs["Normalized"], across.inputs[0])
@@ -326,27 +338,6 @@ def compare(scene, matrices: np.ndarray) -> None:
         for user in users:
             tree.links.new(picture, user)
         for node in (other, place, across, right):
-            node[_COMPARISON] = True
-        right[_LINE] = True
-    move_wipe(scene, scene.relume.wipe)
-
-
-def move_wipe(scene, position: float) -> None:
-    """Move the line of a comparison to a part, 0 to 1, of the picture's width; without a comparison, does nothing."""
-    tree = scene.compositing_node_group
-    for node in tree.nodes if tree else ():
-        if _LINE in node:
-            node.inputs[1].default_value = position
-
-
-def end_comparison(scene) -> None:
-    """Show only the mixer's own picture again."""
-    tree = scene.compositing_node_group
-    added = [node for node in tree.nodes if _COMPARISON in node] if tree else []
-    for mix in [node for node in added if node.type == "MIX"]:
-        first = next(s for s in mix.inputs if s.name == "A" and s.enabled).links[0].from_socket
-        for link in list(next(s for s in mix.outputs if s.enabled).links):
-            tree.links.new(first, link.to_socket)
-    for node in added:
-        tree.nodes.remove(node)
-    nodes.clear_orphans()
+            node[COMPARISON] = True
+        right[LINE] = True
+    comparison.move_wipe(scene, scene.relume.wipe)

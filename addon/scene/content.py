@@ -115,13 +115,21 @@ def _shares(scene, found: inventory.Inventory) -> Counter:
     for thing in found.objects:
         if not thing.hide_render:
             shares |= dict.fromkeys(found.materials_of(thing), 0.5)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+    depsgraph = _depsgraph_of(scene)
     for origin, direction in _camera_rays(scene, depsgraph):
         hit, _, _, face, thing, matrix = scene.ray_cast(depsgraph, origin, direction)
         seen = _materials_at(found, thing.evaluated_get(depsgraph), face, matrix) if hit else [found.world]
         for material in seen:
             shares[material] += 1 / len(seen)
     return shares
+
+
+def _depsgraph_of(scene):
+    if scene == bpy.context.scene:
+        return bpy.context.evaluated_depsgraph_get()
+    layer = next(layer for layer in scene.view_layers if layer.use)
+    layer.update()
+    return layer.depsgraph
 
 
 def _materials_at(found: inventory.Inventory, thing, face: int, matrix) -> list:

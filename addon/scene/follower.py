@@ -8,7 +8,7 @@ following does its work again.
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
@@ -18,7 +18,7 @@ from ...core.picture import plan
 from ..graph import nodes, sockets
 from ..host.console import LOG
 from ..store import mixer, properties
-from . import content, faults, rows, setup, view_layers
+from . import content, faults, passes, rows, setup, view_layers
 from .shading import Shown, matters
 
 __all__ = ["follow", "followed", "forget", "held", "notice", "settle", "tick"]
@@ -119,7 +119,7 @@ def follow() -> None:
 def _work_on(until: float) -> bool:
     """Follow until a time is reached; whether anything is left to do."""
     try:
-        with mixer.quiet():
+        with mixer.quiet(), nodes.orphans_stay():
             _noticed.work = _noticed.work or _follow()
             while next(_noticed.work, _DONE) is not _DONE:
                 if time.monotonic() > until:
@@ -165,10 +165,10 @@ def _follow() -> Iterator[None]:
                 shown.note_remarks(scene)
             yield
         if _noticed.settings:
-            setup.put_passes(scene, scene.relume.model(), [row.name for row in scene.relume.lit])
+            passes.put(scene, scene.relume.model(), [row.name for row in scene.relume.lit])
             setup.relight(scene)
             yield
-    nodes.clear_orphans()
+    nodes.keep_spares()
     _redraw()
 
 
@@ -209,18 +209,18 @@ def _redraw() -> None:
             area.tag_redraw()
 
 
-def settle(scene, renders: bool = False) -> None:
+def settle(scene) -> None:
     """Bring a scene in line at once and wholly, as setting it up afresh with its model would. Never raises.
 
     Where Relume chooses the channels, and those that it chose no longer do for what the scene shows, it gets others.
-    renders: Blender begins to render, and no data-block may go away.
     """
     try:
-        with nodes.orphans_stay() if renders else nullcontext():
+        with nodes.orphans_stay():
             if _is_carried(scene):
                 setup.update(scene)
+                setup.release()
                 _plan_again(scene)
-            elif not renders:
+            else:
                 setup.remove(scene)
     except RelumeError as error:
         scene.relume["problem"] = str(error)

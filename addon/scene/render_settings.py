@@ -116,8 +116,7 @@ def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> 
         wanted["cycles.use_sample_subset"] = True
     if _note(scene, _BEFORE, note) and _PUT in scene:
         del scene[_PUT]  # until all is put: what is there then is not the artist's
-    for name in set(was_driven) - set(driven):
-        scene.driver_remove(f"cycles.{name}")
+    _stop_driving(scene, set(was_driven) - set(driven), note["had_animation"])
     for path, value in kept.items():
         struct, name = _place(scene, path)
         value = wanted.get(path, value)
@@ -131,7 +130,16 @@ def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> 
     for name, otherwise in driven.items():
         view_layers.drive(scene, name, otherwise)
     _note(scene, _BEFORE, note | {"driven": " ".join(driven)})
-    _note(scene, _PUT, {path: getattr(*_place(scene, path)) for path in kept})
+    moving = {f"cycles.{name}" for name in (*driven, *SUBSET, "seed") if name in driven or not is_free(scene, name)}
+    _note(scene, _PUT, {path: getattr(*_place(scene, path)) for path in kept if path not in moving})
+
+
+def _stop_driving(scene, names, had_animation: bool) -> None:
+    for name in names:
+        if is_driven(scene, name):
+            scene.driver_remove(f"cycles.{name}")
+    if names and not had_animation and not animation.has_any(scene):
+        scene.animation_data_clear()
 
 
 def _note(scene, key: str, values: dict) -> bool:
@@ -165,10 +173,7 @@ def give_back(scene) -> None:
     if _BEFORE not in scene:
         return
     before, kept = scene[_BEFORE].to_dict(), own(scene)
-    for name in before["driven"].split():
-        scene.driver_remove(f"cycles.{name}")
-    if before["driven"] and not before["had_animation"] and not animation.has_any(scene):
-        scene.animation_data_clear()
+    _stop_driving(scene, before["driven"].split(), before["had_animation"])
     for path, value in reversed(kept.items()):
         struct, name = _place(scene, path)
         if value is None:

@@ -7,14 +7,29 @@ import json
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 
+import bpy
+
 from ...core.errors import SetupError
 from ..graph import lights
 from ..host import animation
 from ..store import mixer, schema
 from ..store.mixer import CURVE
 
-__all__ = ["discard", "forget_untouched", "mark", "members_of", "put_back", "renamed", "settle", "sync", "unlit"]
+__all__ = [
+    "GIVEN",
+    "discard",
+    "forget_untouched",
+    "mark",
+    "members_of",
+    "numbers",
+    "put_back",
+    "renamed",
+    "settle",
+    "sync",
+    "unlit",
+]
 
+GIVEN = "relume_given"  # on a scene: illuminants that set-up itself put into the mixer, by light group
 _MEMBERS = "relume_members"  # on a scene that is set up, as JSON: what shone in each light group
 _WAS = "was"  # on a row during set-up: the number and the name that it had before
 _PLACE = "place"  # on a row while its scene is set up, if it was there before: its number then
@@ -41,8 +56,12 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
         for name in names:
             if name not in rows:
                 rows.add()["name"] = name
+        given = scene[GIVEN].to_dict() if GIVEN in scene else {}
         for index in reversed(range(len(rows))):
-            if rows[index].name not in now and not _is_kept(scene, index):
+            row = rows[index]
+            if row.name not in now and row.illuminant == given.get(row.name):
+                row.property_unset("illuminant")
+            if row.name not in now and not _is_kept(scene, index):
                 rows.remove(index)
         for position, name in enumerate(names):
             rows.move(rows.find(name), position)
@@ -51,6 +70,13 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
             row.is_lit = row.name in now
     _note_members(scene, {name: before.get(name, []) for name in unlit(scene)} | now)
     return names
+
+
+def numbers(scene) -> dict[str, int]:
+    """{light group: its number} of all scenes of the file that are set up: what shades one may shade another."""
+    others = [s for s in bpy.data.scenes if s.relume.shades]
+    shown = others if scene in others else [*others, scene]
+    return {name: number for number, name in enumerate(dict.fromkeys(row.name for s in shown for row in s.relume.lit))}
 
 
 def _note_members(scene, members: dict) -> None:

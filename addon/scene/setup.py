@@ -10,15 +10,13 @@ import numpy as np
 from ...core.errors import RelumeError, SetupError
 from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
-from ...core.picture import drawing, plan, recombination, sampling
+from ...core.picture import drawing, plan, recombination
 from ...core.picture.mix import Light, Mix
-from ...core.spectra import library
 from ..graph import glass, insertion, lights, nodes, sockets, spectra
 from ..host import interruption
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
-from . import compositing, content, faults, note, render_settings, rows, shading, surfaces, view_layers
-from .render_settings import SUBSET
+from . import compositing, content, faults, note, passes, render_settings, rows, shading, surfaces, view_layers
 
 __all__ = [
     "SetupError",
@@ -29,15 +27,13 @@ __all__ = [
     "plan_of",
     "planned",
     "relight",
+    "release",
     "remove",
-    "put_passes",
-    "sampling_for",
     "set_up",
     "update",
 ]
 
 _LEAST = 3  # channels: one pass as well, and what is grey today may have a colour tomorrow
-_GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 
 
 def set_up(scene, model: FactorModel | None = None) -> None:
@@ -74,6 +70,8 @@ def set_up(scene, model: FactorModel | None = None) -> None:
                 each[properties.PLAN] = chosen
             for each in scenes:
                 rows.settle(each.relume)
+            nodes.clear_orphans()
+            nodes.keep_spares()
         except BaseException as error:
             lost = _give_back(scenes, before)
             if isinstance(error, SetupError) or not isinstance(error, Exception):
@@ -143,51 +141,16 @@ def bring_in_line(
         yield
     shown.note_remarks(scene)
     _give_illuminants(scene, shown.lighting.temperatures)
-    put_passes(scene, model, groups)
+    passes.put(scene, model, groups)
     yield
     relight(scene)
     yield
     return shown
 
 
-def put_passes(scene, model: FactorModel, groups: list[str]) -> None:
-    """Bring coefficient passes, render settings and compositing in line with the scene; none for other engines."""
-    if render_settings.is_suspended(scene):
-        compositing.remove(scene)
-        view_layers.suspend(scene)
-        render_settings.suspend(scene)
-        return
-    compositing.follow_names(scene, view_layers.follow_names(scene))
-    chosen = sampling_for(scene, model)
-    adaptive = render_settings.adaptive(scene, model.passes) if scene.relume.split_samples else None
-    render_settings.patch(scene, {name: chosen.otherwise[name] for name in chosen.driven}, adaptive)
-    view_layers.patch(scene, model, groups, chosen)
-    compositing.patch(scene, groups)
-
-
-def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
-    """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
-    artist's own drivers decide."""
-    settings, count = scene.relume, scene.cycles.samples
-    own = {name: render_settings.own_value(scene, name) for name in ("seed", *SUBSET)}
-    free = {name for name in own if render_settings.is_free(scene, name)}
-    if settings.split_samples and not settings.same_seed and free.issuperset(SUBSET):
-        first = 0
-        if own["use_sample_subset"]:
-            first = own["sample_offset"]
-            count = min(own["sample_subset_length"], count - first)
-        # By usual lights, not by those of the mixer: what is chosen there leaves the noise of the next render as it is
-        lights_ = [Light(library.illuminant(name)) for name in channel_order.LIGHTS]
-        return sampling.dealt(sampling.shares(model, lights_), first, count)
-    samples = -(-count // model.passes) if settings.split_samples else 0
-    if settings.same_seed or "seed" not in free:
-        return sampling.same(model.passes, samples)
-    return sampling.independent(model.passes, samples, own["seed"])
-
-
 def _give_illuminants(scene, temperatures: dict[str, float]) -> None:
     """Have the rows of the mixer show the black bodies of the scene, but for those in which the artist chose."""
-    before = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
+    before = scene[rows.GIVEN].to_dict() if rows.GIVEN in scene else {}
     given = {}
     for row in scene.relume.lit:
         if row.is_property_set("illuminant") and row.illuminant != before.get(row.name):
@@ -199,18 +162,18 @@ def _give_illuminants(scene, temperatures: dict[str, float]) -> None:
                 row["illuminant"] = first
         elif row.is_property_set("illuminant"):
             row.property_unset("illuminant")
-    if before != given or _GIVEN not in scene:
-        scene[_GIVEN] = given
+    if before != given or rows.GIVEN not in scene:
+        scene[rows.GIVEN] = given
 
 
 def _take_back_illuminants(scene) -> None:
     """Unset the illuminants that set-up put into the mixer, where the artist chose no other."""
-    given = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
+    given = scene[rows.GIVEN].to_dict() if rows.GIVEN in scene else {}
     for row in scene.relume.light_groups:
         if row.illuminant == given.get(row.name):
             row.property_unset("illuminant")
-    if _GIVEN in scene:
-        del scene[_GIVEN]
+    if rows.GIVEN in scene:
+        del scene[rows.GIVEN]
 
 
 def lighting(scene) -> Mix:
@@ -226,7 +189,7 @@ def _write_lighting(scene, mix: Mix) -> bool:
     if layers:
         shown = recombination.preview(model, mix)
         for layer in layers:
-            changed |= view_layers.write_view(layer, shown)
+            changed |= view_layers.write_view(scene, layer, shown)
     return changed
 
 
@@ -285,7 +248,6 @@ def update(scene, model: FactorModel | None = None) -> None:
     with interruption.held_back(), mixer.quiet():
         for each in [scene, *_others_without(scene, json.dumps(model.to_dict()))]:
             _put_in(each, model, rows.members_of(each))
-    nodes.clear_orphans()
 
 
 def _others_without(scene, described: str) -> list:
@@ -324,14 +286,7 @@ def _take_out(scene) -> None:
         scene.relume.property_unset(name)
     remarks.clear(scene)
     others = [other for other in bpy.data.scenes if other != scene and other.relume.shades]
-    kept_trees = {tree for other in others for tree, _ in sockets.trees_of(other)}
-    kept_lights = {thing.data for other in others for thing in other.objects if thing.type == "LIGHT"}
-    for light in lights.local_lights():
-        if light not in kept_lights:
-            lights.restore(light)
-    for tree, owner in sockets.all_trees():
-        if tree not in kept_trees:
-            insertion.restore(tree, owner)
+    _release(others)
     if others:
         spectra.mend_all(others[0].relume.model())
         glass.mend_all(others[0].relume.model())
@@ -343,3 +298,20 @@ def _take_out(scene) -> None:
     for key in (properties.PLAN, properties.MODEL):
         if key in scene:
             del scene[key]
+
+
+def release() -> None:
+    """Take the set-up out of materials, lamps and worlds that no scene shows any more."""
+    _release([scene for scene in bpy.data.scenes if scene.relume.shades])
+
+
+def _release(shown: list) -> None:
+    """Take the set-up out of what none of some scenes shows."""
+    kept_trees = {tree for scene in shown for tree, _ in sockets.trees_of(scene)}
+    kept_lights = {thing.data for scene in shown for thing in scene.objects if thing.type == "LIGHT"}
+    for light in lights.local_lights():
+        if light not in kept_lights:
+            lights.restore(light)
+    for tree, owner in sockets.all_trees():
+        if tree not in kept_trees:
+            insertion.restore(tree, owner)

@@ -10,7 +10,7 @@ from ..graph import insertion, lights, nodes, sockets
 from ..host import inventory
 from ..store import remarks
 from ..store.remarks import Remark
-from . import faults
+from . import faults, rows
 
 __all__ = ["Shown", "look", "matters"]
 
@@ -64,13 +64,13 @@ class Shown:
 
 def look(scene, model: FactorModel, groups: list[str]) -> Shown:
     """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes."""
-    found = inventory.take(scene)
+    found, numbers = inventory.take(scene), rows.numbers(scene)
     about_scene = faults.remarks_on(scene, found)
     lamps, about_lamps = lights.take_colours(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     return Shown(
         shadings={shading.owner: shading for shading in shadings},
-        lighting=lights.Lighting(model, groups, lamps, shadings),
+        lighting=lights.Lighting(model, {name: numbers[name] for name in groups}, lamps, shadings),
         about_scene=[*about_scene, *about_trees, *about_lamps],
         things={thing.session_uid: matters(thing) for thing in found.objects},
         parts=_parts({shading.owner: shading for shading in shadings}),

@@ -10,6 +10,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.picture import recombination
 from ...core.picture.sampling import Sampling
 from ..host import layer_settings
+from . import rows
 
 __all__ = [
     "SURFACE",
@@ -49,12 +50,14 @@ def preview_layers(scene) -> list:
     return [layer for layer in scene.view_layers if _SOURCE in layer and _PASS not in layer]
 
 
-def write_view(layer, numbers: recombination.ViewLayerNumbers) -> bool:
+def write_view(scene, layer, numbers: recombination.ViewLayerNumbers) -> bool:
     """Write what the shaders read into the custom properties of a view layer; whether any of it changed."""
+    light_numbers = rows.numbers(scene)
     values = {"relume_on": 1.0}
     values |= {f"relume_b{i}": column for i, column in enumerate(numbers.rgb.T.tolist())}
     values |= {f"relume_w{i}": column for i, column in enumerate(numbers.spectrum.T.tolist())}
-    values |= {f"relume_light{i}": colour for i, colour in enumerate(numbers.lights.tolist())}
+    for row, colour in zip(scene.relume.lit, numbers.lights.tolist(), strict=True):
+        values[f"relume_light{light_numbers[row.name]}"] = colour
     changed = [key for key, value in values.items() if layer.get(key) is None or not _same(layer[key], value)]
     stale = [key for key in layer.keys() if key.startswith(_NUMBERS) and key not in values]
     for key in changed:
@@ -115,7 +118,7 @@ def patch(scene, model: FactorModel, groups: list[str], sampling: Sampling) -> N
                     del layer[key]
             if layer.samples != sampling.samples[k]:
                 layer.samples = sampling.samples[k]
-            write_view(layer, recombination.coefficient_pass(model, k, len(groups), space))
+            write_view(scene, layer, recombination.coefficient_pass(model, k, len(groups), space))
         _remove(scene, own[model.passes :])
         _write(source, {_SOURCE: source.name})
         if source.use:
@@ -212,11 +215,16 @@ def _remove(scene, layers: list) -> None:
 
 def suspend(scene) -> None:
     """Take away the coefficient passes; the artist's view layers are rendered again, and show the preview."""
-    for layers in pass_layers(scene).values():
-        _remove(scene, layers)
-    for layer in preview_layers(scene):
-        if not layer.use:
+    passes = pass_layers(scene)
+    for layer in [layer for layer in scene.view_layers if _PASS not in layer]:
+        if passes and _SOURCE in layer:
             layer.use = True
+        if layer.use:
+            _write(layer, {_SOURCE: layer.name})
+        else:
+            _strip(layer)
+    for layers in passes.values():
+        _remove(scene, layers)
 
 
 def remove(scene) -> None:

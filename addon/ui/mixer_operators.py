@@ -9,7 +9,7 @@ from bpy.types import Operator
 from ...core.errors import RelumeError, SetupError
 from ...core.picture import drawing
 from ...core.spectra import library
-from ..scene import compositing, light_groups, setup
+from ..scene import comparison, compositing, light_groups, setup
 from ..store import mixer, schema
 from . import icons
 
@@ -225,7 +225,7 @@ class Compare(_OfSnapshot, Operator):
     def execute(self, context) -> None:
         scene, settings = context.scene, context.scene.relume
         if settings.comparing:
-            compositing.end_comparison(scene)
+            comparison.end(scene)
             settings.comparing = ""
             return
         snapshot = self.chosen(context)

@@ -28,6 +28,8 @@ def balanced(model: FactorModel) -> FactorModel:
     count = model.passes
     if model.channels % 3:
         return model
+    # From the shortest wavelengths on, whatever order they came in: what is balanced already stays as it is
+    model = model.reordered(np.argsort(_centroids(model), kind="stable").tolist())
     parts = _white_parts(model)
     passes = [list(range(k, model.channels, count)) for k in range(count)]
     better = True
@@ -35,9 +37,15 @@ def balanced(model: FactorModel) -> FactorModel:
         better = False
         for a, b in combinations(range(count), 2):
             better |= _swap(passes[a], passes[b], parts)
-    centroids = model.wavelengths @ np.abs(model.filters) / np.abs(model.filters).sum(axis=0)
+    centroids = _centroids(model)
     order = [channel for members in passes for channel in sorted(members, key=lambda k: -centroids[k])]
     return model.reordered(order)
+
+
+def _centroids(model: FactorModel) -> Array:
+    """The mean wavelength of each channel -> (p,)."""
+    weights = np.abs(model.filters)
+    return model.wavelengths @ weights / weights.sum(axis=0)
 
 
 def _white_parts(model: FactorModel) -> Array:

@@ -17,18 +17,13 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "addon")]
 import bpy  # noqa: E402
 
 import relume  # noqa: E402
-from relume.addon.scene import setup  # noqa: E402
+from relume.addon.scene import follower, setup  # noqa: E402
 from relume.addon.store import properties  # noqa: E402
 
 from . import compositing, kinds, lighting, scenes, session, shading, staging  # noqa: E402, F401
 from .carried import carried  # noqa: E402
 from .kinds import EDITS  # noqa: E402
 from .plain import plain, unlike  # noqa: E402
-
-try:
-    from relume.addon.scene import follower
-except ImportError:  # until there is one: a set-up that is made again at every check
-    from . import stub as follower
 
 _UNDO = {"undo", "redo", "undo_twice_and_redo", "save_and_reload"}  # these push no step, or begin anew
 
@@ -127,12 +122,16 @@ def _opened(path: str) -> dict:
 
 def _afresh() -> None:
     """Remove the set-up of every scene, and set them up again with the models that they had."""
-    models = {scene: (scene.relume.model(), scene[properties.PLAN].to_dict()) for scene in _set_up()}
+    models = {s: (s.relume.model(), s[properties.PLAN].to_dict(), s.render.engine) for s in _set_up()}
     for scene in models:
         setup.remove(scene)
-    for scene, (model, plan) in models.items():
+    for scene, (model, plan, engine) in models.items():
         setup.set_up(scene, model)
         scene[properties.PLAN] = plan
+        if engine != scene.render.engine:  # set-up chooses Cycles, and an artist something else again
+            scene.render.engine = engine
+    for scene in models:
+        follower.settle(scene)
 
 
 def pictures(path: str, folder: str) -> list[str]:

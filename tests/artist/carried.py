@@ -4,7 +4,10 @@ Relume added, their places and their order say nothing.
 Left out, each because a set-up that was made afresh has it otherwise for good reasons:
 - the note on renders (`relume_note_of`, `stamp_note_text`): written when a file is saved or rendered, not at set-up;
 - `relume_remarks` as text: compared as a set, for their order is that of the objects;
+- what was written to a socket when a node was put before it (`relume_given`, `relume_tint`), by which later edits of it
+  are known; the names of the compositing's nodes (`relume_wiring`);
 - values that are animated: when Blender last worked them out depends on what was shown in the session;
+- the order of view layers: passes stand where they came in;
 - data-blocks that nothing uses in the end: a saved file has none of them;
 - what shone in a light group that has none now, and the order of such rows behind the others: remembered so that the
   row follows its lamps.
@@ -21,7 +24,8 @@ from relume.addon.store import mixer, remarks
 
 __all__ = ["carried"]
 
-_OFTEN = {"relume_note_of", "relume_note_off", remarks.REMARKS}
+_OFTEN = {"relume_note_of", "relume_note_off", "relume_wiring", remarks.REMARKS}
+_WRITTEN = {"relume_given", "relume_tint"}  # on inserted nodes
 _HIDDEN = "Subsurface IOR"  # in a material that was copied, Blender notices only later that it is not used
 _NOTES = {"stamp_note_text", "use_stamp_note"}
 _INPUT = re.compile(r'(node_tree\.)?nodes\["((?:[^"\\]|\\.)+)"\]\.inputs\[(\d+)\](.*)')
@@ -144,7 +148,7 @@ def _input(socket, groups: dict, moving):
     if not _is_ours(node):
         return [node.name, link.from_socket.identifier, link.is_muted]
     own = {s.name: _input(s, groups, moving) for s in node.inputs if s.enabled}
-    kept = {key: str(node[key]) for key in node.keys() if key.startswith("relume_")}
+    kept = {key: str(node[key]) for key in node.keys() if key.startswith("relume_") and key not in _WRITTEN}
     return {"by": _group(node, groups) or node.bl_idname, "muted": node.mute or link.is_muted, "of": own, **kept}
 
 
@@ -176,7 +180,6 @@ def _scene(scene, groups: dict) -> dict:
         del own["relume_before"][f"cycles.{name}"]
     return {
         "layers": {layer.name: _layer(layer) for layer in scene.view_layers},
-        "order": [layer.name for layer in scene.view_layers],
         "render": _values(scene.render, _NOTES),
         "cycles": _values(scene.cycles, moving),
         "drivers": sorted(map(_driver, data.drivers)) if data else [],

@@ -1,7 +1,6 @@
 """A scene that is set up follows its artist: sequences of random edits, compared with a fresh set-up and with the same
 edits without Relume. `python -m tests.artist` plays as many as you like."""
 
-import importlib.util
 import os
 import time
 
@@ -13,10 +12,6 @@ from .play import Crew, play, sequence, shrunk, told  # noqa: E402
 
 SEED = int(os.environ.get("RELUME_SEED", "0"))
 _MINUTE = 60.0
-
-pytestmark = pytest.mark.skipif(
-    importlib.util.find_spec("relume.addon.scene.follower") is None, reason="nothing follows the artist yet"
-)
 
 
 @pytest.fixture(scope="module")
