@@ -102,12 +102,14 @@ class _Tree:
         """Take over what was written to a socket itself since its chain of nodes was put there."""
         first, own = chain[0], chain[0].inputs[0]
         written = list(socket.default_value)
-        if first.get(_GIVEN) is None:
-            first[_GIVEN] = written
-        elif list(first[_GIVEN]) != written:
+        if list(first.get(_GIVEN, written)) != written:
             self.changes += 1
-            first[_GIVEN] = written
-            own.default_value = _fitted(socket.default_value, own)
+            own.default_value = _fitted(written, own)
+        elif not own.is_linked and list(own.default_value)[: len(written)] != written[: len(own.default_value)]:
+            # The socket has it too, should the artist take the node away; quietly, for nothing looks different
+            socket.default_value.foreach_set((*own.default_value, 1.0)[: len(written)])
+        if list(first.get(_GIVEN, ())) != list(socket.default_value):
+            first[_GIVEN] = list(socket.default_value)
         path, animated = socket.path_from_id("default_value"), self.conversion.animated_in(self.shading)
         if path in animated:
             self.move_animation(path, first)

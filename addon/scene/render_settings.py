@@ -109,7 +109,7 @@ def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> 
     was_driven = before.get("driven", "").split()
     note = {path: value for path, value in kept.items() if value is not None}
     note["driven"] = " ".join(dict.fromkeys([*driven, *was_driven]))
-    note["had_animation"] = before.get("had_animation", scene.animation_data is not None)
+    note["had_animation"] = before.get("had_animation", scene.animation_data is not None) or _is_animated(scene)
     wanted = dict(_FIXED)
     wanted |= dict(zip((f"cycles.{name}" for name in _ADAPTIVE), adaptive, strict=True)) if adaptive else {}
     if "sample_offset" in driven:
@@ -132,6 +132,13 @@ def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> 
     _note(scene, _BEFORE, note | {"driven": " ".join(driven)})
     moving = {f"cycles.{name}" for name in (*driven, *SUBSET, "seed") if name in driven or not is_free(scene, name)}
     _note(scene, _PUT, {path: getattr(*_place(scene, path)) for path in kept if path not in moving})
+
+
+def _is_animated(scene) -> bool:
+    """Whether the artist animates anything of a scene itself."""
+    data = scene.animation_data
+    own = [c for c in data.drivers if not is_driven(scene, c.data_path.removeprefix("cycles."))] if data else []
+    return bool(data and (data.action or data.nla_tracks or own))
 
 
 def _stop_driving(scene, names, had_animation: bool) -> None:
