@@ -7,11 +7,11 @@ come, and `tables` reads and writes designs.
 """
 
 from ..errors import PaletteError
-from .colours import normalised, scene_from_xyz, xyz_from_scene
+from .colours import normalised, scene_from_xyz, scene_linear, srgb_from_xyz, xyz_from_scene
 from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, scaled
 from .limits import beyond
 from .metamers import metamer, metameric_black, metamers
-from .pictures import matrix_colours
+from .pictures import matrix_colours, matrix_xyz
 from .report import Report, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
@@ -33,6 +33,7 @@ __all__ = [
     "create",
     "from_dict",
     "matrix_colours",
+    "matrix_xyz",
     "metamer",
     "metameric_black",
     "metamers",
@@ -42,6 +43,8 @@ __all__ = [
     "report",
     "scaled",
     "scene_from_xyz",
+    "scene_linear",
+    "srgb_from_xyz",
     "to_dict",
     "try_on",
     "upsampled",

@@ -7,25 +7,28 @@ from . import colours
 from .report import patches
 from .solve import start
 
-__all__ = ["curves", "matrix", "matrix_colours"]
+__all__ = ["curves", "matrix", "matrix_colours", "matrix_xyz"]
 
 _INCHES, _DPI = 1.15, 120  # width of one patch
 
 
-def matrix_colours(palette):
-    """What the matrix shows, in sRGB 0..1: wanted (r, l, 3), NaN where nothing is; full (r, l, 3); model (r, l, 3);
+def matrix_xyz(palette):
+    """What the matrix shows, in XYZ: wanted (r, l, 3), NaN where nothing is; full (r, l, 3); model (r, l, 3);
     lights on white (l, 3); reflectances under flat light (r, 3). Without a model its colours are the full ones.
     """
     full, model = patches(palette)
     wanted = np.full(full.shape, np.nan)
     for cell in palette.cells:
         if cell.target is not None:
-            wanted[cell.reflectance, cell.light] = colours.srgb_from_xyz(np.array(cell.target, float))
+            wanted[cell.reflectance, cell.light] = cell.target
     state = start(palette)
     weights = colours.xyz_weights().T
-    lights, reflectances = state.lights @ weights, state.reflectances @ weights
-    shown = [colours.srgb_from_xyz(xyz) for xyz in (full, full if model is None else model, lights, reflectances)]
-    return wanted, *shown
+    return wanted, full, full if model is None else model, state.lights @ weights, state.reflectances @ weights
+
+
+def matrix_colours(palette):
+    """The same in sRGB 0..1."""
+    return tuple(colours.srgb_from_xyz(xyz) for xyz in matrix_xyz(palette))
 
 
 def matrix(path, palette, report=None):
