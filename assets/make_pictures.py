@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from ..addon.cli.jobs import Progress
+from ..addon.host.console import Progress
 from ..addon.graph import glass
 from ..addon.host import denoising
 from ..addon.scene import render, setup

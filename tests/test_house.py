@@ -31,3 +31,19 @@ def test_the_package_and_the_extension_have_one_version():
     done = subprocess.run([sys.executable, "setup.py", "--version"], cwd=ROOT, capture_output=True, text=True)
     extension = tomllib.loads((ROOT / "blender_manifest.toml").read_text())
     assert done.stdout.split()[-1] == extension["version"]
+
+
+IMPORT_ALL = """
+import importlib, os, pkgutil
+import relume.assets, relume.benchmarks
+for room in (relume.assets, relume.benchmarks):
+    for module in pkgutil.iter_modules(room.__path__, room.__name__ + "."):
+        importlib.import_module(module.name)
+os._exit(0)  # bpy says much when it ends
+"""
+
+
+def test_what_no_other_test_runs_can_be_imported():
+    pytest.importorskip("bpy")
+    done = subprocess.run([sys.executable, "-c", IMPORT_ALL], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
