@@ -20,10 +20,19 @@ def _modules():
         palette_entries,
         palette_operators,
         palette_panel,
+        palette_trial,
         panels,
     )
 
-    palettes = (palette, palette_operators, palette_demands, palette_entries, palette_assign, palette_panel)
+    palettes = (
+        palette,
+        palette_operators,
+        palette_demands,
+        palette_entries,
+        palette_assign,
+        palette_trial,
+        palette_panel,
+    )
     return properties, icons, operators, panels, *palettes, material_panel, handlers, commands
 
 

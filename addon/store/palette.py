@@ -111,6 +111,7 @@ class PaletteDesign(PropertyGroup):
     shown: EnumProperty(name="Patches", description="How the patches are drawn", items=SHOWN, update=changed)
     view: StringProperty(options={"HIDDEN"})
     remarks: StringProperty(options={"HIDDEN"})
+    trial: StringProperty(options={"HIDDEN"})
 
 
 def active(scene):

@@ -4,7 +4,7 @@ from bpy.types import Menu, Panel
 from bpy.utils import register_classes_factory
 
 from ..store import palette, palette_tables
-from . import icons, palette_demands
+from . import icons, palette_demands, palette_trial
 from .mixer_panels import words
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -60,6 +60,9 @@ class _Palette:
         palette_demands.draw_demands(layout, design)
         palette_demands.draw_criteria(layout, design)
         _draw_assign(layout, design)
+        palette_trial.draw(layout, context, design)
+        for sentence in design.trial.splitlines():
+            words(layout, sentence)
 
 
 def _draw_matrix(layout, design):

@@ -15,6 +15,7 @@ from .pictures import matrix_colours, matrix_xyz
 from .report import Report, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
+from .trial import Trial, Worn, coefficients_under, hatched, trial
 from .tryon import TriedOn, try_on
 
 __all__ = [
@@ -28,10 +29,14 @@ __all__ = [
     "PaletteError",
     "Report",
     "Solution",
+    "Trial",
     "TriedOn",
+    "Worn",
     "beyond",
+    "coefficients_under",
     "create",
     "from_dict",
+    "hatched",
     "matrix_colours",
     "matrix_xyz",
     "metamer",
@@ -46,6 +51,7 @@ __all__ = [
     "scene_linear",
     "srgb_from_xyz",
     "to_dict",
+    "trial",
     "try_on",
     "upsampled",
     "xyz_from_scene",

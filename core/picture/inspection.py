@@ -14,7 +14,7 @@ from ..spectra.spectrum import WAVELENGTHS
 from .mix import Mix
 from .recombination import color_of, mixed_white
 
-__all__ = ["Pixel", "difference", "inspect"]
+__all__ = ["Pixel", "difference", "inspect", "range_of", "reflectance"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,21 @@ def inspect(model: FactorModel, mix: Mix, coefficients: Sequence[ArrayLike]) -> 
             spectrum += light.gain * power / (power @ luminous) * np.maximum(reflected, 0.0)
     highest = spectrum.max()
     return Pixel(spectrum / highest if highest > 0.0 else spectrum, color_of(model, mix, coefficients))
+
+
+def reflectance(model: FactorModel, coefficients: ArrayLike) -> Array:
+    """(81,) the smoothest spectrum with the coefficients (p,) that an AOV carries of a surface, on `WAVELENGTHS`."""
+    return np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(np.asarray(coefficients)))
+
+
+def range_of(spectrum: ArrayLike | None) -> str:
+    """How much a surface reflects, in words."""
+    if spectrum is None:
+        return "no colour is carried"
+    low, high = np.argmin(spectrum), np.argmax(spectrum)
+    values = np.asarray(spectrum)
+    least, most = f"{values[low]:.2f} at {WAVELENGTHS[low]:g} nm", f"{values[high]:.2f} at {WAVELENGTHS[high]:g} nm"
+    return f"reflects {least} to {most}"
 
 
 def difference(model: FactorModel, mix: Mix, one: Pixel, other: Pixel) -> float:

@@ -1,0 +1,192 @@
+"""A picture of a finished render as it would be with another reflectance on one material, and how far off it may be.
+
+A lamp of a light group shines alike in all channels, so the shape of a pixel's coefficients over the channels tells
+what its light has met. In every pixel they are taken apart by least squares, no part below 0: light that comes from
+other things, light that has met the material before, and, where the material mirrors, what it mirrors. The first is
+multiplied by new over old, the second twice, the third not at all.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from ..colour.differences import picture_delta_E
+from ..errors import PaletteError
+from ..model.factor_model import FactorModel
+from ..picture.mix import Mix
+from ..picture.recombination import color_of, mixed_white
+from ..spectra.arrays import Array
+
+__all__ = ["Trial", "Worn", "coefficients_under", "hatched", "trial"]
+
+WHOLE = 0.99  # of a pixel, that counts as all of it
+FAINT = 0.01  # a coefficient below which too little of the light came back to say what it was
+SHARE = 0.5  # of what is put right by the shape of coefficients, that may be wrong: measured, see docs/palette.md
+HATCHED = 3.0  # CIEDE2000 from which a pixel is hatched: plain to see
+_APART = 6  # pixels from one line to the next
+_ROWS = 64  # rows that are solved at a time: the temporary arrays stay small
+
+
+@dataclass(frozen=True, eq=False)
+class Worn:
+    """A reflectance that a material is to wear: coefficients (p,), and whether its surface also mirrors."""
+
+    material: str
+    coefficients: Array
+    mirrors: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """groups: {light group: (height, width, p)} of the picture as it would be. covered: (height, width), the part of
+    each pixel that is of these materials. expected: (height, width), CIEDE2000 by which each pixel may be off. worn:
+    names of the materials. unseen: those that the picture does not show.
+    """
+
+    groups: dict[str, Array]
+    covered: Array
+    expected: Array
+    worn: tuple[str, ...]
+    unseen: tuple[str, ...]
+
+    def words(self) -> str:
+        """What was tried on and how far off the picture may be: a line for each."""
+        here, there = self.expected[self.covered > WHOLE], self.expected[self.covered < 1.0 - WHOLE]
+        said = [f"Tried on: {', '.join(self.worn)}."]
+        for where, values in (("there", here), ("elsewhere", there)):
+            if values.size:
+                middle, tenth = np.median(values), np.percentile(values, 90)
+                said.append(
+                    f"{where.capitalize()} it may be off by ΔE {middle:.1f}, in a tenth by {tenth:.1f} or more."
+                )
+        said.append(f"Hatched: by more than {HATCHED:g}. F12 makes it exact.")
+        if self.unseen:
+            said.append(f"Not seen in the picture: {', '.join(self.unseen)}.")
+        return "\n".join(said)
+
+
+def coefficients_under(surface: Array, covered: Array) -> Array:
+    """(p,) coefficients of a material: the median of the surfaces (height, width, p) that it covers (height, width).
+
+    Raises PaletteError where it covers no pixel.
+    """
+    seen = np.asarray(covered) > WHOLE
+    if not seen.any():
+        raise PaletteError("this material is not seen in the picture")
+    return np.median(np.asarray(surface)[seen], axis=0).astype(np.float64)
+
+
+def trial(
+    model: FactorModel,
+    mix: Mix,
+    groups: Mapping[str, Array],
+    surface: Array,
+    materials: Mapping[str, Array],
+    wanted: Sequence[Worn],
+) -> Trial:
+    """The picture `groups` {light group: (height, width, p)} with other reflectances on some materials -> Trial.
+
+    surface: (height, width, p) of the AOV, 0 where nothing was carried. materials: {name: (height, width)}, the part of
+    each pixel that is the material. Raises PaletteError where none of the materials is seen.
+    """
+    surface = np.asarray(surface, np.float64)
+    changed, plain = dict(groups), dict(groups)
+    everywhere, worn = np.zeros(surface.shape[:2]), []
+    for one in wanted:
+        covered = np.clip(np.asarray(materials.get(one.material, everywhere * 0.0), np.float64), 0.0, 1.0)
+        if not (covered > WHOLE).any():
+            continue
+        old, new = coefficients_under(surface, covered), np.asarray(one.coefficients, np.float64)
+        surface = _grey_where_unknown(surface)
+        becomes = surface + covered[..., None] * (new - np.where(covered[..., None] > WHOLE, surface, old))
+        for name, values in changed.items():
+            changed[name], plain[name] = np.empty_like(values), np.array(plain[name])
+            for top in range(0, len(values), _ROWS):
+                rows = slice(top, top + _ROWS)
+                light, met, mirrored = _light(values[rows], surface[rows], covered[rows, :, None], old, one.mirrors)
+                changed[name][rows] = (light + met * (new - old)) * becomes[rows] + mirrored
+                simply = _light_alone(plain[name][rows], surface[rows], light) * becomes[rows]
+                plain[name][rows] = np.where(covered[rows, :, None] > 0.0, simply, plain[name][rows])
+        surface = becomes
+        everywhere += covered
+        worn.append(one.material)
+    unseen = tuple(one.material for one in wanted if one.material not in worn)
+    if not worn:
+        raise PaletteError(f"not seen in the picture: {', '.join(unseen)}")
+    shown, simply = (color_of(model, mix, list(each.values())) for each in (changed, plain))
+    apart = picture_delta_E(simply, shown, mixed_white(model, mix))
+    return Trial(changed, np.minimum(everywhere, 1.0), SHARE * apart, tuple(worn), unseen)
+
+
+def hatched(picture: Array, expected: Array) -> Array:
+    """A linear picture (height, width, 3), with lines where the `expected` error (height, width) is above `HATCHED`."""
+    rows, columns = np.indices(expected.shape)
+    lines = ((rows + columns) % _APART == 0) & (expected > HATCHED)
+    # Dark lines on what is bright, bright ones on what is dark
+    luminance = picture.mean(axis=-1, keepdims=True)
+    middle = np.median(luminance)
+    ink = np.where(luminance > middle, 0.3 * picture, picture + 0.5 * max(float(middle), 0.02))
+    return np.where(lines[..., None], ink, picture)
+
+
+def _grey_where_unknown(surface: Array) -> Array:
+    """What carries nothing, as a metal, is taken for grey."""
+    return np.where(np.abs(surface).max(axis=-1, keepdims=True) < 1e-3, 1.0, surface)
+
+
+def _light(values: Array, surface: Array, covered: Array, old: Array, mirrors: bool) -> tuple:
+    """Of rows of one light group: the light (..., p) on what is seen, that of it which has met the material (..., 1),
+    in amounts of `old`, and what is mirrored (..., 1).
+    """
+    values, again = np.asarray(values, np.float64), surface * old
+    first, met = _two_apart(surface, again, values)
+    mirrored = np.zeros_like(first)
+    if mirrors and (here := covered[..., 0] > 0.5).any():
+        parts = np.stack([surface[here], again[here], np.ones_like(again[here])], axis=-2)
+        first[here], met[here], mirrored[here] = _apart(parts, values[here])
+    return _light_alone(values - mirrored, surface, first + met * old), met, mirrored
+
+
+def _two_apart(one: Array, other: Array, values: Array) -> tuple:
+    """Amounts (..., 1) of two parts (..., p), none below 0, whose sum is nearest to `values` (..., p)."""
+    ones, both, others, first, second = (
+        np.einsum("...p,...p->...", a, b)
+        for a, b in ((one, one), (one, other), (other, other), (one, values), (other, values))
+    )
+    tiny = 1e-12
+    # Parts that are alike, as those of a grey, are told apart by nothing
+    ones, others = ones * (1 + 1e-9) + tiny, others * (1 + 1e-9) + tiny
+    apart = ones * others - both * both
+    amounts = (first * others - second * both) / apart, (second * ones - first * both) / apart
+    alone = first / ones, second / others
+    x = np.where(amounts[1] < 0.0, alone[0], np.where(amounts[0] < 0.0, 0.0, amounts[0]))
+    y = np.where(amounts[1] < 0.0, 0.0, np.where(amounts[0] < 0.0, alone[1], amounts[1]))
+    return np.maximum(x, 0.0)[..., None], np.maximum(y, 0.0)[..., None]
+
+
+def _light_alone(values: Array, surface: Array, otherwise: Array) -> Array:
+    """The light that a surface made `values` of; `otherwise` in channels of which it reflects next to nothing."""
+    known = surface > FAINT
+    return np.where(known, values / np.where(known, surface, 1.0), otherwise)
+
+
+def _apart(parts: Array, values: Array) -> list:
+    """Amounts (..., 1), none below 0, of the `parts` (..., k, p) whose sum is nearest to `values` (..., p)."""
+    count = parts.shape[-2]
+    best, least = np.zeros(values.shape[:-1] + (count,)), np.full(values.shape[:-1], np.inf)
+    for others in product((False, True), repeat=count - 1):
+        used = [0, *(index + 1 for index, kept in enumerate(others) if kept)]
+        kept = parts[..., used, :]
+        square = np.einsum("...ip,...jp->...ij", kept, kept)
+        # Parts that are alike, as those of a grey, are told apart by nothing
+        size = np.trace(square, axis1=-2, axis2=-1)[..., None, None]
+        square = square + (1e-9 * size + 1e-12) * np.eye(len(used))
+        amounts = np.linalg.solve(square, np.einsum("...ip,...p->...i", kept, values)[..., None])[..., 0]
+        left = np.square(np.einsum("...i,...ip->...p", amounts, kept) - values).sum(axis=-1)
+        better = (left < least) & (amounts >= 0.0).all(axis=-1)
+        full = np.zeros_like(best)
+        full[..., used] = amounts
+        best, least = np.where(better[..., None], full, best), np.where(better, left, least)
+    return [best[..., index, None] for index in range(count)]

@@ -1,0 +1,91 @@
+"""Reflectances tried on in a picture that is there, against light whose way is known."""
+
+import numpy as np
+import pytest
+
+from relume.core import Light, Mix, palette
+from relume.core.model import bases
+from relume.core.palette import PaletteError, Worn, trial
+from relume.core.spectra import library
+
+MODEL = bases.fitted(9)
+MIX = Mix({"lamp": Light(library.illuminant("D65"))})
+OLD, NEW, WALL, THIRD = (
+    MODEL.coefficients(library.reflectance(name)) for name in ("CES 10", "CES 60", "CES 80", "CES 30")
+)
+LAMP = np.random.default_rng(2).uniform(0.5, 2.0, (12, 8, 1))  # alike in all channels, as in coefficient passes
+TOP = np.broadcast_to(np.arange(12)[:, None] < 6, (12, 8))
+
+
+def tried(picture, surface, materials, *wanted):
+    return trial(MODEL, MIX, {"lamp": picture}, surface, materials, wanted)
+
+
+def scene(met=0.0, mirrored=0.0, paint=OLD, edge=1.0):
+    """The paint above, a wall below; the paint covers a part `edge` of row 5. Part `met` of all light met the paint."""
+    covered = TOP * 1.0
+    covered[5] = edge
+    surface = covered[..., None] * paint + (1 - covered[..., None]) * WALL
+    return LAMP * ((1 + met * paint) * surface + mirrored * covered[..., None]), surface, {"paint": covered}
+
+
+@pytest.mark.parametrize("way", [{}, {"met": 0.4}, {"edge": 0.3}, {"met": 0.4, "edge": 0.7}], ids=str)
+def test_light_that_met_the_paint_before_is_known_by_its_shape(way):
+    done = tried(*scene(**way), Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"], scene(**way, paint=NEW)[0], rtol=1e-6, atol=1e-9)
+    assert done.worn == ("paint",) and (done.expected.max() < 1e-6) == (not way.get("met"))
+
+
+def test_what_is_mirrored_stays_as_it_is():
+    picture, surface, materials = scene(mirrored=0.2)
+    done = tried(picture, surface, materials, Worn("paint", NEW, mirrors=True))
+    np.testing.assert_allclose(done.groups["lamp"], scene(mirrored=0.2, paint=NEW)[0], rtol=1e-6)
+    assert done.expected[TOP].min() > 1 and done.expected[~TOP].max() < 1e-6, "what was told apart may be wrong"
+
+
+def test_a_texture_takes_one_colour():
+    picture, surface, materials = scene()
+    surface = np.array(surface)
+    surface[:3] = THIRD
+    done = tried(LAMP * surface, surface, materials, Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"], scene(paint=NEW)[0], rtol=1e-6)
+
+
+def test_two_at_once():
+    picture, surface, materials = scene()
+    done = tried(picture, surface, materials | {"wall": 1.0 - TOP}, Worn("paint", NEW), Worn("wall", THIRD))
+    np.testing.assert_allclose(done.groups["lamp"], LAMP * np.where(TOP[..., None], NEW, THIRD), rtol=1e-6)
+    assert done.worn == ("paint", "wall") and done.covered.all()
+
+
+def test_channels_that_reflected_nothing_are_filled_by_the_others():
+    dark = OLD.copy()
+    dark[4] = 0.0
+    done = tried(*scene(paint=dark), Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"], scene(paint=NEW)[0], rtol=1e-6)
+
+
+def test_what_carries_nothing_is_taken_for_grey():
+    picture, surface, materials = scene(met=0.4)
+    metal = np.array(surface)
+    metal[9:] = 0.0
+    mirror = np.array(picture)
+    mirror[9:] = LAMP[9:] * OLD  # a mirror image of the paint
+    done = tried(mirror, metal, materials, Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"][9:], LAMP[9:] * NEW, rtol=1e-4)
+    assert done.expected[9:].min() > 1
+
+
+def test_what_is_not_seen_is_told():
+    done = tried(*scene(), Worn("paint", NEW), Worn("lid", NEW))
+    assert "Not seen in the picture: lid." in done.words() and "Tried on: paint." in done.words()
+    with pytest.raises(PaletteError, match="not seen in the picture: lid"):
+        tried(*scene(), Worn("lid", NEW))
+
+
+def test_hatched_where_it_may_be_plainly_off():
+    picture = np.full((40, 40, 3), 0.5)
+    expected = np.where(np.arange(40)[:, None] < 20, 5.0, 1.0) * np.ones((40, 40))
+    drawn = palette.hatched(picture, expected)
+    changed = (drawn != picture).any(axis=-1)
+    assert 0.1 < changed[:20].mean() < 0.3 and not changed[20:].any()
