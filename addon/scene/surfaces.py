@@ -8,12 +8,13 @@ passes. Nothing of it is there unless asked for.
 import bpy
 
 from ...core.picture import coefficients
-from ..graph import places, spectra
+from ..graph import closures, places, spectra
 from . import view_layers
 
 __all__ = ["AOV", "add", "ask", "asked", "carried", "cost", "follow", "mirrors", "read", "read_materials", "remove"]
 
 AOV = "Relume Surface"
+_MAIN = ("Base Color", "Color")
 _ASKED = "relume_surfaces"  # on a scene: that its renders are to carry surfaces
 _DEPTH = 2  # materials that a pixel is made of, as far as a Cryptomatte tells: four numbers
 _OWN = "relume_cryptomatte"  # on a coefficient pass: that its Cryptomatte is ours
@@ -62,7 +63,8 @@ def cost(scene) -> int:
 
 def mirrors(material) -> bool:
     """Whether the surface of a material mirrors beside what it reflects diffusely."""
-    for node in material.node_tree.nodes if material.node_tree else ():
+    tree = material.node_tree
+    for node in [tree.nodes[name] for name in _seen(tree)] if tree else ():
         if (level := _MIRRORS.get(node.bl_idname)) is not None:
             socket = node.inputs.get(level)
             if socket is None or socket.is_linked or socket.default_value > 0.0:
@@ -105,13 +107,28 @@ def _color_of(material):
 
     A grey that set-up leaves unlinked has equal coefficients: its colour is as good.
     """
-    found = []
+    found, seen = [], _seen(material.node_tree)
     for name, identifier, takes in places.of(material):
-        if takes == "reflectance":
+        if takes == "reflectance" and name in seen:
             node = material.node_tree.nodes[name]
             found.append(next(one for one in node.inputs if one.identifier == identifier))
-    found = [socket for socket in found if not spectra.shines(socket)]
+    found = [one for one in found if closures.kind_of(one) is closures.Kind.COLOUR and not spectra.shines(one)]
+    # Tints of what is mirrored say less of a surface than its own colour
+    found = [socket for socket in found if socket.identifier in _MAIN] or found
     return next((socket for socket in found if socket.is_linked), found[0] if found else None)
+
+
+def _seen(tree) -> set[str]:
+    """Names of the nodes that the surface of a material is made of."""
+    output = tree.get_output_node("CYCLES")
+    found, left = set(), [output] if output is not None else []
+    while left:
+        node = left.pop()
+        if node.name not in found:
+            found.add(node.name)
+            inputs = [node.inputs["Surface"]] if node == output else node.inputs
+            left += [link.from_node for socket in inputs for link in socket.links]
+    return found
 
 
 def remove(scene):

@@ -15,10 +15,11 @@ from .pictures import matrix_colours, matrix_xyz
 from .report import Report, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
-from .trial import Trial, Worn, coefficients_under, hatched, trial
+from .trial import HATCHED, Trial, Worn, coefficients_under, hatched, trial
 from .tryon import TriedOn, try_on
 
 __all__ = [
+    "HATCHED",
     "Cell",
     "Constancy",
     "Criteria",

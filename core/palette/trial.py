@@ -19,10 +19,11 @@ from ..picture.mix import Mix
 from ..picture.recombination import color_of, mixed_white
 from ..spectra.arrays import Array
 
-__all__ = ["Trial", "Worn", "coefficients_under", "hatched", "trial"]
+__all__ = ["HATCHED", "Trial", "Worn", "coefficients_under", "hatched", "trial"]
 
 WHOLE = 0.99  # of a pixel, that counts as all of it
 FAINT = 0.01  # a coefficient below which too little of the light came back to say what it was
+ALIKE = 0.02  # square of the sine of the angle between parts that are too much alike to be told apart
 SHARE = 0.5  # of what is put right by the shape of coefficients, that may be wrong: measured, see docs/palette.md
 HATCHED = 3.0  # CIEDE2000 from which a pixel is hatched: plain to see
 _APART = 6  # pixels from one line to the next
@@ -92,6 +93,7 @@ def trial(
     each pixel that is the material. Raises PaletteError where none of the materials is seen.
     """
     surface = np.asarray(surface, np.float64)
+    nothing = sum(materials.values(), np.zeros(surface.shape[:2])) < 0.5  # the world, which has met nothing
     changed, plain = dict(groups), dict(groups)
     everywhere, worn = np.zeros(surface.shape[:2]), []
     for one in wanted:
@@ -106,6 +108,7 @@ def trial(
             for top in range(0, len(values), _ROWS):
                 rows = slice(top, top + _ROWS)
                 light, met, mirrored = _light(values[rows], surface[rows], covered[rows, :, None], old, one.mirrors)
+                met[nothing[rows]] = 0.0
                 changed[name][rows] = (light + met * (new - old)) * becomes[rows] + mirrored
                 simply = _light_alone(plain[name][rows], surface[rows], light) * becomes[rows]
                 plain[name][rows] = np.where(covered[rows, :, None] > 0.0, simply, plain[name][rows])
@@ -155,14 +158,16 @@ def _two_apart(one: Array, other: Array, values: Array) -> tuple:
         np.einsum("...p,...p->...", a, b)
         for a, b in ((one, one), (one, other), (other, other), (one, values), (other, values))
     )
-    tiny = 1e-12
-    # Parts that are alike, as those of a grey, are told apart by nothing
-    ones, others = ones * (1 + 1e-9) + tiny, others * (1 + 1e-9) + tiny
+    ones, others = ones + 1e-12, others + 1e-12
     apart = ones * others - both * both
-    amounts = (first * others - second * both) / apart, (second * ones - first * both) / apart
-    alone = first / ones, second / others
-    x = np.where(amounts[1] < 0.0, alone[0], np.where(amounts[0] < 0.0, 0.0, amounts[0]))
-    y = np.where(amounts[1] < 0.0, 0.0, np.where(amounts[0] < 0.0, alone[1], amounts[1]))
+    # Parts that are alike, as those of a grey, are told apart by nothing but noise
+    alike = apart < ALIKE * ones * others
+    amounts = [
+        each / np.where(alike, 1.0, apart) for each in (first * others - second * both, second * ones - first * both)
+    ]
+    only_one, only_other = alike | (amounts[1] < 0.0), ~alike & (amounts[0] < 0.0)
+    x = np.where(only_one, first / ones, np.where(only_other, 0.0, amounts[0]))
+    y = np.where(only_one, 0.0, np.where(only_other, second / others, amounts[1]))
     return np.maximum(x, 0.0)[..., None], np.maximum(y, 0.0)[..., None]
 
 

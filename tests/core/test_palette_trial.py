@@ -11,7 +11,7 @@ from relume.core.spectra import library
 MODEL = bases.fitted(9)
 MIX = Mix({"lamp": Light(library.illuminant("D65"))})
 OLD, NEW, WALL, THIRD = (
-    MODEL.coefficients(library.reflectance(name)) for name in ("CES 10", "CES 60", "CES 80", "CES 30")
+    MODEL.coefficients(library.reflectance(name)) for name in ("ColorChecker: red", "CES 60", "CES 80", "CES 30")
 )
 LAMP = np.random.default_rng(2).uniform(0.5, 2.0, (12, 8, 1))  # alike in all channels, as in coefficient passes
 TOP = np.broadcast_to(np.arange(12)[:, None] < 6, (12, 8))
@@ -26,7 +26,8 @@ def scene(met=0.0, mirrored=0.0, paint=OLD, edge=1.0):
     covered = TOP * 1.0
     covered[5] = edge
     surface = covered[..., None] * paint + (1 - covered[..., None]) * WALL
-    return LAMP * ((1 + met * paint) * surface + mirrored * covered[..., None]), surface, {"paint": covered}
+    picture = LAMP * ((1 + met * paint) * surface + mirrored * covered[..., None])
+    return picture, surface, {"paint": covered, "around": 1.0 - covered}
 
 
 @pytest.mark.parametrize("way", [{}, {"met": 0.4}, {"edge": 0.3}, {"met": 0.4, "edge": 0.7}], ids=str)
@@ -43,6 +44,20 @@ def test_what_is_mirrored_stays_as_it_is():
     assert done.expected[TOP].min() > 1 and done.expected[~TOP].max() < 1e-6, "what was told apart may be wrong"
 
 
+def test_light_from_a_grey_is_told_from_other_light_by_nothing():
+    grey = np.full(9, 0.5)
+    done = tried(*scene(met=0.4, paint=grey), Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"][~TOP], scene(met=0.4, paint=grey)[0][~TOP], rtol=1e-6)
+
+
+def test_the_world_has_met_nothing():
+    picture, surface, materials = scene()
+    picture, surface = np.array(picture), np.array(surface)
+    picture[9:], surface[9:] = OLD, 0.0
+    done = tried(picture, surface, {"paint": materials["paint"]}, Worn("paint", NEW))
+    np.testing.assert_allclose(done.groups["lamp"][9:], picture[9:])
+
+
 def test_a_texture_takes_one_colour():
     picture, surface, materials = scene()
     surface = np.array(surface)
@@ -53,9 +68,9 @@ def test_a_texture_takes_one_colour():
 
 def test_two_at_once():
     picture, surface, materials = scene()
-    done = tried(picture, surface, materials | {"wall": 1.0 - TOP}, Worn("paint", NEW), Worn("wall", THIRD))
+    done = tried(picture, surface, materials, Worn("paint", NEW), Worn("around", THIRD))
     np.testing.assert_allclose(done.groups["lamp"], LAMP * np.where(TOP[..., None], NEW, THIRD), rtol=1e-6)
-    assert done.worn == ("paint", "wall") and done.covered.all()
+    assert done.worn == ("paint", "around") and done.covered.all()
 
 
 def test_channels_that_reflected_nothing_are_filled_by_the_others():
