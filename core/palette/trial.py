@@ -1,9 +1,9 @@
 """A picture of a finished render as it would be with another reflectance on one material, and how far off it may be.
 
-A lamp of a light group shines alike in all channels, so the shape of a pixel's coefficients over the channels tells
-what its light has met. In every pixel they are taken apart by least squares, no part below 0: light that comes from
-other things, light that has met the material before, and, where the material mirrors, what it mirrors. The first is
-multiplied by new over old, the second twice, the third not at all.
+The lamps of a light group shine alike in all channels, and the world as where it is seen, so the shape of a pixel's
+coefficients over the channels tells what its light has met. In every pixel they are taken apart by least squares, no
+part below 0: light that comes from other things, light that has met the material before, and, where the material
+mirrors, what it mirrors. The first is multiplied by new over old, the second twice, the third not at all.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,6 +27,7 @@ ALIKE = 0.02  # square of the sine of the angle between parts that are too much 
 SHARE = 0.5  # of what is put right by the shape of coefficients, that may be wrong: measured, see docs/palette.md
 HATCHED = 3.0  # CIEDE2000 from which a pixel is hatched: plain to see
 _APART = 6  # pixels from one line to the next
+DARK = 0.05  # coefficients below this count alike when mirror images are looked for
 _ROWS = 64  # rows that are solved at a time: the temporary arrays stay small
 
 
@@ -93,7 +94,8 @@ def trial(
     each pixel that is the material. Raises PaletteError where none of the materials is seen.
     """
     surface = np.asarray(surface, np.float64)
-    nothing = sum(materials.values(), np.zeros(surface.shape[:2])) < 0.5  # the world, which has met nothing
+    nothing = sum(materials.values(), np.zeros(surface.shape[:2])) < 1.0 - WHOLE  # the world, which has met nothing
+    shapes = {name: _shape(np.asarray(values)[nothing]) for name, values in groups.items()}
     changed, plain = dict(groups), dict(groups)
     everywhere, worn = np.zeros(surface.shape[:2]), []
     for one in wanted:
@@ -107,10 +109,11 @@ def trial(
             changed[name], plain[name] = np.empty_like(values), np.array(plain[name])
             for top in range(0, len(values), _ROWS):
                 rows = slice(top, top + _ROWS)
-                light, met, mirrored = _light(values[rows], surface[rows], covered[rows, :, None], old, one.mirrors)
+                shaped = np.asarray(values[rows], np.float64) / shapes[name]
+                light, met, mirrored = _light(shaped, surface[rows], covered[rows, :, None], old, one.mirrors)
                 met[nothing[rows]] = 0.0
-                changed[name][rows] = (light + met * (new - old)) * becomes[rows] + mirrored
-                simply = _light_alone(plain[name][rows], surface[rows], light) * becomes[rows]
+                changed[name][rows] = ((light + met * (new - old)) * becomes[rows] + mirrored) * shapes[name]
+                simply = _light_alone(plain[name][rows], surface[rows], light * shapes[name]) * becomes[rows]
                 plain[name][rows] = np.where(covered[rows, :, None] > 0.0, simply, plain[name][rows])
         surface = becomes
         everywhere += covered
@@ -134,6 +137,12 @@ def hatched(picture: Array, expected: Array) -> Array:
     return np.where(lines[..., None], ink, picture)
 
 
+def _shape(world: Array) -> Array:
+    """(p,) how the light of a group is over the channels, its highest 1: that of the world (n, p) where it is seen."""
+    shape = np.median(world, axis=0).astype(np.float64) if len(world) else np.zeros(world.shape[-1])
+    return np.maximum(shape / shape.max(), FAINT) if shape.max() > 0.0 else np.ones_like(shape)
+
+
 def _grey_where_unknown(surface: Array) -> Array:
     """What carries nothing, as a metal, is taken for grey."""
     return np.where(np.abs(surface).max(axis=-1, keepdims=True) < 1e-3, 1.0, surface)
@@ -143,12 +152,14 @@ def _light(values: Array, surface: Array, covered: Array, old: Array, mirrors: b
     """Of rows of one light group: the light (..., p) on what is seen, that of it which has met the material (..., 1),
     in amounts of `old`, and what is mirrored (..., 1).
     """
-    values, again = np.asarray(values, np.float64), surface * old
+    again = surface * old
     first, met = _two_apart(surface, again, values)
     mirrored = np.zeros_like(first)
     if mirrors and (here := covered[..., 0] > 0.5).any():
         parts = np.stack([surface[here], again[here], np.ones_like(again[here])], axis=-2)
-        first[here], met[here], mirrored[here] = _apart(parts, values[here])
+        # What is mirrored shows in dark channels, and noise is as large as what it is of
+        weights = 1.0 / (np.maximum(surface[here], 0.0) + DARK)
+        first[here], met[here], mirrored[here] = _apart(parts * weights[:, None], values[here] * weights)
     return _light_alone(values - mirrored, surface, first + met * old), met, mirrored
 
 

@@ -58,6 +58,17 @@ def test_the_world_has_met_nothing():
     np.testing.assert_allclose(done.groups["lamp"][9:], picture[9:])
 
 
+def test_what_is_mirrored_of_the_sky_has_its_colour():
+    sky = np.linspace(0.4, 1.0, 9)
+    picture, surface, materials = scene(mirrored=0.2)
+    picture, surface = np.array(picture), np.array(surface)
+    picture[9:], surface[9:] = 1.0, 0.0
+    seen = {"paint": materials["paint"], "around": materials["around"] * (np.arange(12)[:, None] < 9)}
+    done = tried(sky * picture, surface, seen, Worn("paint", NEW, mirrors=True))
+    wanted = sky * np.where(np.arange(12)[:, None, None] < 9, scene(mirrored=0.2, paint=NEW)[0], 1.0)
+    np.testing.assert_allclose(done.groups["lamp"], wanted, rtol=1e-5)
+
+
 def test_a_texture_takes_one_colour():
     picture, surface, materials = scene()
     surface = np.array(surface)
