@@ -160,20 +160,12 @@ def _draw_selected(layout, design):
 
 
 def _draw_curves(layout, design):
-    lines = []
-    for entries, index in ((design.lights, design.column), (design.reflectances, design.row)):
-        if entries and entries[index].spectrum:
-            values = _drawn(entries[index].spectrum, entries is design.lights)
-            lines.append((values, entries[index].swatch))
+    pairs = ((design.lights, design.column, True), (design.reflectances, design.row, False))
+    chosen = [(entries[index], is_light) for entries, index, is_light in pairs if entries and entries[index].spectrum]
+    lines = [(_drawn(entry.spectrum, is_light), entry.swatch) for entry, is_light in chosen]
     if icon := icons.curves(lines):
-        names = [entries[index].name for entries, index in _chosen(design)]
-        layout.label(text=" and ".join(names), icon="FCURVE")
+        layout.label(text=" and ".join(entry.name for entry, _ in chosen), icon="FCURVE")
         layout.template_icon(icon, scale=8.0)
-
-
-def _chosen(design):
-    pairs = ((design.lights, design.column), (design.reflectances, design.row))
-    return [(entries, index) for entries, index in pairs if entries and entries[index].spectrum]
 
 
 def _drawn(text: str, is_light: bool) -> list:
