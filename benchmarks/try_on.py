@@ -93,15 +93,13 @@ _SCENES = {
 
 def _worn(material, spectrum=None):
     """The spectrum that a material has, or had until it is given another."""
-    _, node, socket = next(
-        (takes, material.node_tree.nodes[name], identifier)
-        for name, identifier, takes in places.of(material)
-        if takes == places.REFLECTANCE
-    )
-    socket = places.socket_of(node, socket)
-    tree = spectra.source_of(socket)
-    if tree is None or spectra.SPECTRA not in tree:
-        return spectra.assign(material, socket, spectra.new_reflectance(spectrum))
+    nodes = material.node_tree.nodes
+    found = [(nodes[name], key) for name, key, takes in places.of(material) if takes == places.REFLECTANCE]
+    sockets = [places.socket_of(node, key) for node, key in found]
+    trees = [spectra.source_of(socket) for socket in sockets]
+    tree = next((tree for tree in trees if tree is not None and spectra.SPECTRA in tree), None)
+    if tree is None:
+        return spectra.assign(material, sockets[0], spectra.new_reflectance(spectrum))
     before = spectra.spectra_of(tree)["Color"]
     if spectrum is not None:
         spectra.replace(tree, spectrum)
@@ -126,7 +124,7 @@ def _judge(name: str, arguments) -> list[str]:
     scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, arguments.samples
     render_settings.compare(scene)
     for material in [bpy.data.materials[material] for material, _ in case.tried]:
-        if all(spectra.SPECTRA not in node.node_tree for node in material.node_tree.nodes if node.type == "GROUP"):
+        if not any(node.type == "GROUP" and spectra.SPECTRA in node.node_tree for node in material.node_tree.nodes):
             _worn(material, library.reflectance("ColorChecker: dark skin"))
     setup.set_up(scene, bases.fitted(9))
     _, bare = _rendered(scene)

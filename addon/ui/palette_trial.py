@@ -106,7 +106,7 @@ class TryOn(Operator):
         area.spaces.active.image = _shown(picture)
         design.trial = done.words()
         palette_tables.redraw()
-        self.report({"INFO"}, done.words())
+        self.report({"INFO"}, done.words().replace("\n", " "))
 
 
 def _shown(picture: np.ndarray):

@@ -44,7 +44,8 @@ class Worn:
 class Trial:
     """groups: {light group: (height, width, p)} of the picture as it would be. covered: (height, width), the part of
     each pixel that is of these materials. expected: (height, width), CIEDE2000 by which each pixel may be off. worn:
-    names of the materials. unseen: those that the picture does not show.
+    names of the materials. unseen: those that the picture does not show. grey: those of which it cannot be told what
+    of their light falls on other things, and which `expected` says nothing of.
     """
 
     groups: dict[str, Array]
@@ -52,6 +53,7 @@ class Trial:
     expected: Array
     worn: tuple[str, ...]
     unseen: tuple[str, ...]
+    grey: tuple[str, ...]
 
     def words(self) -> str:
         """What was tried on and how far off the picture may be: a line for each."""
@@ -64,6 +66,10 @@ class Trial:
                     f"{where.capitalize()} it may be off by ΔE {middle:.1f}, in a tenth by {tenth:.1f} or more."
                 )
         said.append(f"Hatched: by more than {HATCHED:g}. F12 makes it exact.")
+        if self.grey:
+            said.append(
+                f"Without what the light of {', '.join(self.grey)} does elsewhere: a grey leaves no mark on it."
+            )
         if self.unseen:
             said.append(f"Not seen in the picture: {', '.join(self.unseen)}.")
         return "\n".join(said)
@@ -93,17 +99,21 @@ def trial(
     surface: (height, width, p) of the AOV, 0 where nothing was carried. materials: {name: (height, width)}, the part of
     each pixel that is the material. Raises PaletteError where none of the materials is seen.
     """
-    surface = np.asarray(surface, np.float64)
-    nothing = sum(materials.values(), np.zeros(surface.shape[:2])) < 1.0 - WHOLE  # the world, which has met nothing
+    world = np.maximum(1.0 - sum(materials.values(), np.zeros(np.shape(surface)[:2])), 0.0)
+    nothing = world > WHOLE  # it has met nothing
+    surface = _grey_where_unknown(
+        np.asarray(surface, np.float64) + np.where(world > 1.0 - WHOLE, world, 0.0)[..., None]
+    )
     shapes = {name: _shape(np.asarray(values)[nothing]) for name, values in groups.items()}
     changed, plain = dict(groups), dict(groups)
-    everywhere, worn = np.zeros(surface.shape[:2]), []
+    everywhere, worn, grey = np.zeros(surface.shape[:2]), [], []
     for one in wanted:
         covered = np.clip(np.asarray(materials.get(one.material, everywhere * 0.0), np.float64), 0.0, 1.0)
         if not (covered > WHOLE).any():
             continue
         old, new = coefficients_under(surface, covered), np.asarray(one.coefficients, np.float64)
-        surface = _grey_where_unknown(surface)
+        if _alike(old):
+            grey.append(one.material)
         becomes = surface + covered[..., None] * (new - np.where(covered[..., None] > WHOLE, surface, old))
         for name, values in changed.items():
             changed[name], plain[name] = np.empty_like(values), np.array(plain[name])
@@ -123,7 +133,7 @@ def trial(
         raise PaletteError(f"not seen in the picture: {', '.join(unseen)}")
     shown, simply = (color_of(model, mix, list(each.values())) for each in (changed, plain))
     apart = picture_delta_E(simply, shown, mixed_white(model, mix))
-    return Trial(changed, np.minimum(everywhere, 1.0), SHARE * apart, tuple(worn), unseen)
+    return Trial(changed, np.minimum(everywhere, 1.0), SHARE * apart, tuple(worn), unseen, tuple(grey))
 
 
 def hatched(picture: Array, expected: Array) -> Array:
@@ -146,6 +156,11 @@ def _shape(world: Array) -> Array:
 def _grey_where_unknown(surface: Array) -> Array:
     """What carries nothing, as a metal, is taken for grey."""
     return np.where(np.abs(surface).max(axis=-1, keepdims=True) < 1e-3, 1.0, surface)
+
+
+def _alike(old: Array) -> bool:
+    """Whether light that has met a material of coefficients (p,) has the shape of light that has not."""
+    return bool(1.0 - old.sum() ** 2 / max(len(old) * (old @ old), 1e-12) < ALIKE)
 
 
 def _light(values: Array, surface: Array, covered: Array, old: Array, mirrors: bool) -> tuple:

@@ -48,6 +48,18 @@ def test_light_from_a_grey_is_told_from_other_light_by_nothing():
     grey = np.full(9, 0.5)
     done = tried(*scene(met=0.4, paint=grey), Worn("paint", NEW))
     np.testing.assert_allclose(done.groups["lamp"][~TOP], scene(met=0.4, paint=grey)[0][~TOP], rtol=1e-6)
+    assert done.grey == ("paint",) and "a grey leaves no mark" in done.words()
+    assert tried(*scene(), Worn("paint", NEW)).grey == ()
+
+
+def test_the_edge_before_the_world_keeps_the_world():
+    covered = TOP * 1.0
+    covered[5] = 0.5
+    surface = covered[..., None] * OLD
+    picture = 0.7 * (surface + (1 - covered[..., None]))
+    done = tried(picture, surface, {"paint": covered}, Worn("paint", NEW))
+    wanted = 0.7 * (covered[..., None] * NEW + (1 - covered[..., None]))
+    np.testing.assert_allclose(done.groups["lamp"], wanted, rtol=1e-6)
 
 
 def test_the_world_has_met_nothing():
