@@ -189,6 +189,7 @@ class Create(OfPalette, Operator):
             for index, cell in enumerate(design.cells):
                 cell.error = errors.get(divmod(index, len(design.lights)), -1.0)
             design.remarks = "\n".join(report.remarks) or "Every demand is met."
+            design.trial = ""
             palette_tables.show(design)
 
         return self.done(context, create)

@@ -51,6 +51,13 @@ def _editor(context):
     return next((a for a, i in zip(areas, shown, strict=True) if i and i.type == "RENDER_RESULT"), (ours or [None])[0])
 
 
+def _show_render(area) -> bool:
+    result = next((image for image in bpy.data.images if image.type == "RENDER_RESULT"), None)
+    if result is not None:
+        area.spaces.active.image = result
+    return result is not None
+
+
 class TryOn(Operator):
     """Show the render as it would be with this palette's reflectances on their materials, without rendering. Hatched is
     what may be far off; F12 makes it exact"""
@@ -84,7 +91,8 @@ class TryOn(Operator):
         rows = [row for row in design.reflectances if row.material is not None and row.spectrum]
         if not rows:
             raise core.PaletteError("no row has both a spectrum and a material: create spectra, and choose materials")
-        area.spaces.active.image = bpy.data.images["Render Result"]
+        if not _show_render(area):
+            raise core.PaletteError("nothing has been rendered yet")
         region = next(region for region in area.regions if region.type == "WINDOW")
         with context.temp_override(area=area, region=region):
             groups, seen = inspector.seen_by(context)
@@ -137,8 +145,7 @@ class ShowRender(Operator):
         return bpy.data.images.get(_IMAGE) is not None and _editor(context) is not None
 
     def execute(self, context):
-        _editor(context).spaces.active.image = bpy.data.images["Render Result"]
-        return {"FINISHED"}
+        return {"FINISHED"} if _show_render(_editor(context)) else {"CANCELLED"}
 
 
 class PickRow(inspector.Picking, Operator):

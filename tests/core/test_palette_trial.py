@@ -89,6 +89,12 @@ def test_a_texture_takes_one_colour():
     np.testing.assert_allclose(done.groups["lamp"], scene(paint=NEW)[0], rtol=1e-6)
 
 
+def test_a_metameric_black_is_shown_as_no_render_shows_it():
+    black = OLD - 0.3
+    assert black.min() < 0
+    np.testing.assert_allclose(tried(*scene(), Worn("paint", black)).groups["lamp"], scene(paint=black)[0], rtol=1e-6)
+
+
 def test_two_at_once():
     picture, surface, materials = scene()
     done = tried(picture, surface, materials, Worn("paint", NEW), Worn("around", THIRD))
