@@ -16,7 +16,7 @@ from ...core.picture import coefficients, inspection
 from ...core.picture.coefficients import CoefficientImageError
 from ..scene import surfaces, view_layers
 from ..store import mixes
-from . import overlay
+from . import overlay, palette_assign
 
 __all__ = ["CLASSES", "Picking", "Surfaces", "coefficients_of", "saved_render", "seen_by"]
 
@@ -201,8 +201,14 @@ class InspectPixels(Picking, Operator):
         place = self.place(event)
         if self.surfaces is None or place is None:
             return "", None
-        material, carried = self.surfaces.at(*place)
-        return material, inspection.reflectance(self.model, carried) if any(carried) else None
+        name, carried = self.surfaces.at(*place)
+        if not any(carried):
+            return name, None
+        material = bpy.data.materials.get(name)
+        known = (
+            palette_assign.reflectance_of(material) if material and palette_assign.takes_spectrum(material) else None
+        )
+        return name, inspection.reflectance(self.model, carried, known)
 
     def _words(self) -> list[str]:
         if self.shown is None:

@@ -10,11 +10,13 @@ from ..model import relight
 from ..model.factor_model import FactorModel
 from ..spectra import library
 from ..spectra.arrays import Array, ArrayLike
-from ..spectra.spectrum import WAVELENGTHS
+from ..spectra.spectrum import WAVELENGTHS, Spectrum
 from .mix import Mix
 from .recombination import color_of, mixed_white
 
 __all__ = ["Pixel", "difference", "inspect", "range_of", "reflectance"]
+
+_SAME = 0.01  # largest difference of coefficients of one surface
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,13 @@ def inspect(model: FactorModel, mix: Mix, coefficients: Sequence[ArrayLike]) -> 
     return Pixel(spectrum / highest if highest > 0.0 else spectrum, color_of(model, mix, coefficients))
 
 
-def reflectance(model: FactorModel, coefficients: ArrayLike) -> Array:
-    """(81,) the smoothest spectrum with the coefficients (p,) that an AOV carries of a surface, on `WAVELENGTHS`."""
+def reflectance(model: FactorModel, coefficients: ArrayLike, known: Spectrum | None = None) -> Array:
+    """(81,) what a surface reflects that an AOV carries the coefficients (p,) of, on `WAVELENGTHS`.
+
+    That of its material, `known`, where it has these coefficients; otherwise the smoothest that has.
+    """
+    if known is not None and np.abs(model.coefficients(known) - coefficients).max() < _SAME:
+        return known.sampled()
     return np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(np.asarray(coefficients)))
 
 

@@ -73,9 +73,11 @@ def test_a_pixel_of_a_grey_wall_has_the_spectrum_of_its_lamp():
 
 
 def test_a_surface_is_drawn_and_told_as_it_reflects():
-    model, red = bases.fitted(9), library.reflectance("ColorChecker: red")
-    shown = inspection.reflectance(model, model.coefficients(red))
-    assert np.abs(shown - red.sampled()).max() < 0.1 and np.abs(shown - red.sampled()).mean() < 0.02
+    model, red, other = bases.fitted(9), library.reflectance("ColorChecker: red"), library.reflectance("CES 30")
+    carried = model.coefficients(red)
+    assert np.array_equal(inspection.reflectance(model, carried, red), red.sampled())
+    for shown in (inspection.reflectance(model, carried), inspection.reflectance(model, carried, other)):
+        np.testing.assert_allclose(model.coefficients(shown), carried, atol=1e-3)
     assert inspection.range_of(np.linspace(-0.1, 0.7, 81)) == "reflects -0.10 at 380 nm to 0.70 at 780 nm"
     assert inspection.range_of(None) == "no colour is carried"
 
