@@ -101,11 +101,13 @@ def trial(
     """
     world = np.maximum(1.0 - sum(materials.values(), np.zeros(np.shape(surface)[:2])), 0.0)
     nothing = world > WHOLE  # it has met nothing
-    surface = _grey_where_unknown(
-        np.asarray(surface, np.float64) + np.where(world > 1.0 - WHOLE, world, 0.0)[..., None]
-    )
-    shapes = {name: _shape(np.asarray(values)[nothing]) for name, values in groups.items()}
-    changed, plain = dict(groups), dict(groups)
+    surface = _grey_where_unknown(np.asarray(surface, np.float64))
+    worlds = {name: _world(np.asarray(values)[nothing], surface.shape[-1]) for name, values in groups.items()}
+    # Edges before the world have a part of it, which is put back in the end
+    edge = np.where(nothing | (world < 1.0 - WHOLE), 0.0, world)[..., None].astype(np.float32)
+    behind = {name: np.minimum(edge * worlds[name], values) for name, values in groups.items()}
+    changed = {name: values - behind[name] for name, values in groups.items()}
+    plain = dict(changed)
     everywhere, worn, grey = np.zeros(surface.shape[:2]), [], []
     for one in wanted:
         covered = np.clip(np.asarray(materials.get(one.material, everywhere * 0.0), np.float64), 0.0, 1.0)
@@ -115,22 +117,25 @@ def trial(
         if _alike(old):
             grey.append(one.material)
         becomes = surface + covered[..., None] * (new - np.where(covered[..., None] > WHOLE, surface, old))
-        for name, values in changed.items():
-            changed[name], plain[name] = np.empty_like(values), np.array(plain[name])
-            for top in range(0, len(values), _ROWS):
+        for name in groups:
+            shape, done = _shape(worlds[name]), (np.empty_like(changed[name]), np.empty_like(changed[name]))
+            for top in range(0, len(surface), _ROWS):
                 rows = slice(top, top + _ROWS)
-                shaped = np.asarray(values[rows], np.float64) / shapes[name]
-                light, met, mirrored = _light(shaped, surface[rows], covered[rows, :, None], old, one.mirrors)
+                at, here = surface[rows], covered[rows, :, None]
+                light, met, mirrored = _light(changed[name][rows] / shape, at, here, old, one.mirrors)
                 met[nothing[rows]] = 0.0
-                changed[name][rows] = ((light + met * (new - old)) * becomes[rows] + mirrored) * shapes[name]
-                simply = _light_alone(plain[name][rows], surface[rows], light * shapes[name]) * becomes[rows]
-                plain[name][rows] = np.where(covered[rows, :, None] > 0.0, simply, plain[name][rows])
+                done[0][rows] = ((light + met * (new - old)) * becomes[rows] + mirrored) * shape
+                simply = _light_alone(plain[name][rows], at, light * shape) * becomes[rows]
+                done[1][rows] = np.where(here > 0.0, simply, plain[name][rows])
+            changed[name], plain[name] = done
         surface = becomes
         everywhere += covered
         worn.append(one.material)
     unseen = tuple(one.material for one in wanted if one.material not in worn)
     if not worn:
         raise PaletteError(f"not seen in the picture: {', '.join(unseen)}")
+    for pictures in (changed, plain):
+        pictures.update({name: values + behind[name] for name, values in pictures.items()})
     shown, simply = (color_of(model, mix, list(each.values())) for each in (changed, plain))
     apart = picture_delta_E(simply, shown, mixed_white(model, mix))
     return Trial(changed, np.minimum(everywhere, 1.0), SHARE * apart, tuple(worn), unseen, tuple(grey))
@@ -147,10 +152,14 @@ def hatched(picture: Array, expected: Array) -> Array:
     return np.where(lines[..., None], ink, picture)
 
 
+def _world(seen: Array, channels: int) -> Array:
+    """(p,) what a light group is where nothing but the world is seen, in pixels (n, p)."""
+    return np.median(seen, axis=0).astype(np.float64) if len(seen) else np.zeros(channels)
+
+
 def _shape(world: Array) -> Array:
-    """(p,) how the light of a group is over the channels, its highest 1: that of the world (n, p) where it is seen."""
-    shape = np.median(world, axis=0).astype(np.float64) if len(world) else np.zeros(world.shape[-1])
-    return np.maximum(shape / shape.max(), FAINT) if shape.max() > 0.0 else np.ones_like(shape)
+    """(p,) how the light of a group is over the channels, its highest 1: as the world's, where it has any."""
+    return np.maximum(world / world.max(), FAINT) if world.max() > 0.0 else np.ones_like(world)
 
 
 def _grey_where_unknown(surface: Array) -> Array:

@@ -61,6 +61,8 @@ def range_of(spectrum: ArrayLike | None) -> str:
         return "no colour is carried"
     low, high = np.argmin(spectrum), np.argmax(spectrum)
     values = np.asarray(spectrum)
+    if values[high] - values[low] < 0.005:
+        return f"reflects {values[low]:.2f} of all light"
     least, most = f"{values[low]:.2f} at {WAVELENGTHS[low]:g} nm", f"{values[high]:.2f} at {WAVELENGTHS[high]:g} nm"
     return f"reflects {least} to {most}"
 

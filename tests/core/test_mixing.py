@@ -79,6 +79,7 @@ def test_a_surface_is_drawn_and_told_as_it_reflects():
     for shown in (inspection.reflectance(model, carried), inspection.reflectance(model, carried, other)):
         np.testing.assert_allclose(model.coefficients(shown), carried, atol=1e-3)
     assert inspection.range_of(np.linspace(-0.1, 0.7, 81)) == "reflects -0.10 at 380 nm to 0.70 at 780 nm"
+    assert inspection.range_of(np.full(81, 0.8)) == "reflects 0.80 of all light"
     assert inspection.range_of(None) == "no colour is carried"
 
 

@@ -56,9 +56,9 @@ def test_the_edge_before_the_world_keeps_the_world():
     covered = TOP * 1.0
     covered[5] = 0.5
     surface = covered[..., None] * OLD
-    picture = 0.7 * (surface + (1 - covered[..., None]))
+    picture = 0.7 * surface + 0.1 * (1 - covered[..., None])
     done = tried(picture, surface, {"paint": covered}, Worn("paint", NEW))
-    wanted = 0.7 * (covered[..., None] * NEW + (1 - covered[..., None]))
+    wanted = 0.7 * covered[..., None] * NEW + 0.1 * (1 - covered[..., None])
     np.testing.assert_allclose(done.groups["lamp"], wanted, rtol=1e-6)
 
 
