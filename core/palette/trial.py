@@ -24,6 +24,7 @@ __all__ = ["HATCHED", "Trial", "Worn", "coefficients_under", "hatched", "trial"]
 WHOLE = 0.99  # of a pixel, that counts as all of it
 FAINT = 0.01  # a coefficient below which too little of the light came back to say what it was
 ALIKE = 0.02  # square of the sine of the angle between parts that are too much alike to be told apart
+NEIGHBOURS = 0.7  # cosine of the angle between colours, less their grey, from which their light is not told apart
 SHARE = 0.5  # of what is put right by the shape of coefficients, that may be wrong: measured, see docs/palette.md
 HATCHED = 3.0  # CIEDE2000 from which a pixel is hatched: plain to see
 _APART = 6  # pixels from one line to the next
@@ -116,6 +117,7 @@ def trial(
         old, new = coefficients_under(surface, covered), np.asarray(one.coefficients, np.float64)
         if _alike(old):
             grey.append(one.material)
+        share = _share(one.material, materials, surface)
         becomes = surface + covered[..., None] * (new - np.where(covered[..., None] > WHOLE, surface, old))
         for name in groups:
             shape, done = _shape(worlds[name]), (np.empty_like(changed[name]), np.empty_like(changed[name]))
@@ -123,6 +125,7 @@ def trial(
                 rows = slice(top, top + _ROWS)
                 at, here = surface[rows], covered[rows, :, None]
                 light, met, mirrored = _light(changed[name][rows] / shape, at, here, old, one.mirrors)
+                met *= share
                 met[nothing[rows]] = 0.0
                 done[0][rows] = ((light + met * (new - old)) * becomes[rows] + mirrored) * shape
                 simply = _light_alone(plain[name][rows], at, light * shape) * becomes[rows]
@@ -165,6 +168,26 @@ def _shape(world: Array) -> Array:
 def _grey_where_unknown(surface: Array) -> Array:
     """What carries nothing, as a metal, is taken for grey."""
     return np.where(np.abs(surface).max(axis=-1, keepdims=True) < 1e-3, 1.0, surface)
+
+
+def _share(name: str, materials: Mapping[str, Array], surface: Array) -> float:
+    """How much of the light with the shape of a material's colour is taken to have met it, and not others like it.
+
+    By how much of the picture they have, and how colourful they are.
+    """
+    weights, towards = {}, {}
+    for each, covered in materials.items():
+        if (np.asarray(covered) > WHOLE).any():
+            colour = coefficients_under(surface, covered)
+            towards[each] = colour - colour.mean()
+            weights[each] = float(np.sum(covered)) * np.linalg.norm(towards[each])
+    length = np.linalg.norm(towards[name])
+    alike = [
+        weights[each]
+        for each, other in towards.items()
+        if towards[name] @ other > NEIGHBOURS * length * np.linalg.norm(other)
+    ]
+    return weights[name] / sum(alike) if alike else 1.0
 
 
 def _alike(old: Array) -> bool:

@@ -119,11 +119,13 @@ def read_materials(path: str | Path, layer: str) -> dict[str, np.ndarray]:
     order = sorted(wanted, key=lambda name: (name.rpartition(".")[0], "rgba".index(name[-1].lower())))
     ids = [np.ascontiguousarray(channels[name]).view(np.uint32) for name in order[::2]]
     parts = [channels[name] for name in order[1::2]]
-    found = {}
-    for name, code in json.loads(header[f"{about[0]}/manifest"]).items():
-        covered = sum((np.where(id == int(code, 16), part, np.float32(0)) for id, part in zip(ids, parts, strict=True)))
+    found: dict[str, np.ndarray] = {}
+    for material, code in json.loads(header[f"{about[0]}/manifest"]).items():
+        covered = np.zeros_like(parts[0])
+        for each, part in zip(ids, parts, strict=True):
+            covered += np.where(each == int(code, 16), part, np.float32(0.0))
         if covered.any():
-            found[name] = covered
+            found[material] = covered
     return found
 
 

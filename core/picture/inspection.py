@@ -50,9 +50,10 @@ def reflectance(model: FactorModel, coefficients: ArrayLike, known: Spectrum | N
 
     That of its material, `known`, where it has these coefficients; otherwise the smoothest that has.
     """
-    if known is not None and np.abs(model.coefficients(known) - coefficients).max() < _SAME:
+    carried = np.asarray(coefficients, dtype=np.float64)
+    if known is not None and np.abs(model.coefficients(known) - carried).max() < _SAME:
         return known.sampled()
-    return np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(np.asarray(coefficients)))
+    return np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(carried))
 
 
 def range_of(spectrum: ArrayLike | None) -> str:

@@ -62,6 +62,18 @@ def test_the_edge_before_the_world_keeps_the_world():
     np.testing.assert_allclose(done.groups["lamp"], wanted, rtol=1e-6)
 
 
+def test_light_of_two_that_are_alike_is_shared_between_them():
+    picture, surface, materials = scene(met=0.4)
+    twin = np.broadcast_to((np.arange(12)[:, None] >= 6) & (np.arange(12)[:, None] < 9), (12, 8)) * 1.0
+    surface = np.where(twin[..., None] > 0, OLD, surface)
+    picture = np.where(twin[..., None] > 0, LAMP * OLD, picture)
+    found = {"paint": materials["paint"], "twin": twin, "around": materials["around"] - twin}
+    done = tried(picture, surface, found, Worn("paint", NEW))
+    changed = done.groups["lamp"][9:] - picture[9:]
+    wanted = scene(met=0.4, paint=NEW)[0][9:] - picture[9:]
+    np.testing.assert_allclose(changed, wanted * 2 / 3, rtol=1e-6)  # six rows are the paint, three its twin
+
+
 def test_the_world_has_met_nothing():
     picture, surface, materials = scene()
     picture, surface = np.array(picture), np.array(surface)
