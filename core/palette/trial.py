@@ -118,7 +118,7 @@ def trial(
         if _alike(old):
             grey.append(one.material)
         share = _share(one.material, materials, surface)
-        becomes = surface + covered[..., None] * (new - np.where(covered[..., None] > WHOLE, surface, old))
+        becomes = _exchanged(surface, covered[..., None], old, new)
         for name in groups:
             shape, done = _shape(worlds[name]), (np.empty_like(changed[name]), np.empty_like(changed[name]))
             for top in range(0, len(surface), _ROWS):
@@ -153,6 +153,14 @@ def hatched(picture: Array, expected: Array) -> Array:
     middle = np.median(luminance)
     ink = np.where(luminance > middle, 0.3 * picture, picture + 0.5 * max(float(middle), 0.02))
     return np.where(lines[..., None], ink, picture)
+
+
+def _exchanged(surface: Array, covered: Array, old: Array, new: Array) -> Array:
+    """Surfaces (height, width, p) with `new` in place of what is `old` of them."""
+    # Passes have samples of their own, and parts of edges that differ a little: no more is taken than there is
+    taken = np.clip(covered * old, 0.0, np.maximum(surface, 0.0))
+    given = np.where(old > FAINT, taken / np.where(old > FAINT, old, 1.0), covered) * new
+    return np.where(covered > WHOLE, new, surface - taken + given)
 
 
 def _world(seen: Array, channels: int) -> Array:

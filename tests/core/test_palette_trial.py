@@ -93,6 +93,13 @@ def test_what_is_mirrored_of_the_sky_has_its_colour():
     np.testing.assert_allclose(done.groups["lamp"], wanted, rtol=1e-5)
 
 
+def test_passes_that_see_less_of_an_edge_stay_light():
+    picture, surface, materials = scene(edge=0.5)
+    materials["paint"][5] = 0.9
+    done = tried(picture, surface, materials | {"around": 1.0 - materials["paint"]}, Worn("paint", 0.05 * OLD))
+    assert done.groups["lamp"][5].min() > 0
+
+
 def test_a_texture_takes_one_colour():
     picture, surface, materials = scene()
     surface = np.array(surface)

@@ -365,7 +365,7 @@ def steps():
     bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 0, -1))
     bpy.context.object.data.materials.append(bpy.data.materials.new("floor"))
     yield from layout()
-    scene.relume.channels = "9"
+    scene.relume.channels, scene.cycles.samples = "9", 16
     bpy.ops.relume.set_up()
     bpy.ops.relume.palette_new(example="three_metamers")
     bpy.ops.relume.palette_create()
