@@ -97,7 +97,7 @@ _HANDLERS = (
 _CHANGES = {
     changes.MIX: setup.relight,
     changes.LIGHT_GROUP_RENAMED: light_groups.rename,
-    changes.PASSES: setup.set_up_afresh,
+    changes.PASSES: setup.update,
     changes.WIPE: compositing.move_wipe,
 }
 

@@ -223,9 +223,10 @@ def in_use(socket, animated: Collection[str] = ()) -> bool:
     weight = _WEIGHTS.get(socket.node.bl_idname, {}).get(socket.identifier)
     if weight is not None and not _can_differ_from(socket.node.inputs[weight], 0.0, animated):
         return False
-    if kind_of(socket) is not Kind.EMISSION or socket.is_linked or is_animated(socket, animated):
+    if kind_of(socket) is not Kind.EMISSION:
         return True
-    return any(socket.default_value[:3])
+    socket = nodes.holder(socket)
+    return socket.is_linked or is_animated(socket, animated) or any(socket.default_value[:3])
 
 
 def is_animated(socket, animated: Collection[str]) -> bool:

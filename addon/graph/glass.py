@@ -12,7 +12,7 @@ from ...core.colour import spaces
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
 from . import node_groups, nodes
-from .spectra import SPECTRA, spectra_of
+from .spectra import FILLED, SPECTRA, filled_for, spectra_of
 
 __all__ = ["GLASS_NODES", "disperses", "mend_all", "put_back", "replace", "restore_all", "update_all"]
 
@@ -46,7 +46,7 @@ def _fill(tree, model: FactorModel | None) -> None:
     """Build the group for a model's channels, or for red, green and blue."""
     index = spectra_of(tree)["IOR"]
     plain = spaces.display_primaries(index)
-    tree[_UNFINISHED] = True
+    tree[_UNFINISHED], tree[FILLED] = True, ""
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
     shares = [None] if model is None else model.shares(index)
@@ -72,6 +72,7 @@ def _fill(tree, model: FactorModel | None) -> None:
                     tree.links.new(source.outputs[name], closure.inputs[name])
             total = closure.outputs[0] if total is None else _sum(tree, 5, row, total, closure.outputs[0])
     tree.links.new(total, output.inputs["BSDF"])
+    tree[FILLED] = filled_for(tree, model)
     del tree[_UNFINISHED]
 
 
@@ -137,9 +138,10 @@ def _local() -> list:
 
 
 def update_all(model: FactorModel) -> None:
-    """Give every glass of this file the indices of a model's channels."""
+    """Give every glass of this file the indices of a model's channels; those that have them stay untouched."""
     for tree in _local():
-        _fill(tree, model)
+        if tree.get(FILLED) != filled_for(tree, model):
+            _fill(tree, model)
 
 
 def mend_all(model: FactorModel) -> None:

@@ -18,7 +18,7 @@ from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.spectra import library
 from ..host import animation, inventory
 from ..store.remarks import Remark
-from . import node_groups, nodes, sockets
+from . import insertion, node_groups, nodes, sockets
 from .closures import Kind, in_use, kind_of, spectral_sockets
 
 __all__ = [
@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 _BEFORE = "relume_color"  # on a light: the colour, temperature switch and node switch that it had
-_MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
+_WHITE = (1.0, 1.0, 1.0)
 _DAYLIGHT = "D65"
 _NOTICED = 5.0  # CIEDE2000, of the most saturated surfaces
 _FILTER = "its light is deeply coloured: what it does to coloured surfaces differs from plain RGB, even without bounces"
@@ -137,6 +137,8 @@ def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
             remarks.append(Remark(light.name, "", why))
         if not why:
             lamps[light] = _take_colour(light)
+        elif _BEFORE in light:
+            restore(light)
     return lamps, remarks
 
 
@@ -167,41 +169,61 @@ def _uses_nodes(light) -> bool:
 
 
 def _take_colour(light) -> Lamp:
-    if _BEFORE not in light:
-        light[_BEFORE] = {
-            "color": list(light.color),
-            "temperature": light.temperature if light.use_temperature else 0.0,
-            "glow": list(light.temperature_color) if light.use_temperature else [1.0, 1.0, 1.0],
-            "use_nodes": _uses_nodes(light),
-        }
+    lamp = _colour_of(light)
+    uses_nodes = light[_BEFORE]["use_nodes"] if _BEFORE in light else _uses_nodes(light)
+    kept = {
+        "color": list(lamp.tint),
+        "temperature": lamp.temperature or 0.0,
+        "glow": list(lamp.glow),
+        "use_nodes": bool(uses_nodes),
+    }
+    if _BEFORE not in light or light[_BEFORE].to_dict() != kept:
+        light[_BEFORE] = kept
     if not _uses_nodes(light):
         light.use_nodes = True
-    light.use_temperature = False
-    light.color = (1.0, 1.0, 1.0)
-    return _colour_of(light)
+    if light.use_temperature:
+        light.use_temperature = False
+    if tuple(light.color) != _WHITE and insertion.MOVED not in light:
+        light.color = _WHITE
+    return lamp
 
 
 def _colour_of(light) -> Lamp:
-    if _BEFORE in light:
-        before = light[_BEFORE].to_dict()
-        return Lamp(tuple(before["color"]), before["temperature"] or None, tuple(before["glow"]))
-    if light.use_temperature:
-        return Lamp(tuple(light.color), light.temperature, tuple(light.temperature_color))
-    return Lamp(tuple(light.color))
+    """The colour that the artist gave a lamp: itself, or since it was taken from there, its *Light*."""
+    if _BEFORE not in light:
+        if light.use_temperature:
+            return Lamp(tuple(light.color), light.temperature, tuple(light.temperature_color))
+        return Lamp(tuple(light.color))
+    kept = light[_BEFORE].to_dict()
+    tint, temperature, glow = tuple(kept["color"]), kept["temperature"], tuple(kept["glow"])
+    if insertion.MOVED not in light:
+        tint = tuple(light.color) if tuple(light.color) != _WHITE else next(_chosen_tints(light), tint)
+    if light.use_temperature or (temperature and light.temperature != temperature):
+        temperature, glow = light.temperature, tuple(light.temperature_color)
+    return Lamp(tint, temperature or None, glow)
+
+
+def _chosen_tints(light) -> Iterator[tuple]:
+    """The colours that the artist chose in *Light* nodes of a lamp."""
+    for node in light.node_tree.nodes if light.node_tree else ():
+        if nodes.role(node) == "light":
+            tint = tuple(node.inputs["Tint"].default_value[:3])
+            if tint != tuple(node.get(insertion.TINT, _WHITE)):
+                yield tint
 
 
 def restore(light) -> None:
-    """Give a lamp back the colour that `take_colours` took."""
-    if _MOVED in light:
-        animation.move(light, light[_MOVED], "color")
-        del light[_MOVED]
+    """Give a lamp back the colour that `take_colours` took, as it is now."""
+    lamp = _colour_of(light)
+    if insertion.MOVED in light:
+        animation.move(light, light[insertion.MOVED], "color")
+        del light[insertion.MOVED]
     if _BEFORE not in light:
         return
-    before = light[_BEFORE].to_dict()
-    light.color = before["color"]
-    if before["temperature"]:
+    light.color = lamp.tint
+    if lamp.temperature:
         light.use_temperature = True
-    if not before["use_nodes"]:
+    if not light[_BEFORE]["use_nodes"]:
         light.use_nodes = False
     del light[_BEFORE]
 
@@ -258,32 +280,23 @@ class Lighting:
         coefficients = self.model.emission(spectrum, library.illuminant(reference))
         return node_groups.emitter_group(f"Relume {kelvin:g} K on {reference}", coefficients)
 
-    def convert(self, conversion, shading, socket) -> None:
-        """Put the light of its light group in front of a socket that sends out light."""
+    def describe(self, conversion, shading, socket) -> None:
+        """Want the light of its light group in front of a socket that sends out light."""
         name = group_of(shading, self.groups)
         spectral = conversion.carries_spectrum(socket)
         if spectral:
             conversion.upsample(socket)
-        kelvin = blackbody_behind(socket)
+        kelvin, lamp, wanted = blackbody_behind(socket), self.lamps.get(shading.owner), []
         if kelvin:
-            conversion.insert(socket, self._emitter(name, kelvin))
+            wanted.append(sockets.Insertion(self._emitter(name, kelvin)))
         group = node_groups.light_group(self.groups.index(name), self.model.channels, spectral or kelvin is not None)
-        light = conversion.insert(socket, group)
-        lamp = self.lamps.get(shading.owner)
-        self._remark_on_colour(conversion, shading, light, lamp)
-        if lamp is None:
-            return
-        light.inputs["Tint"].default_value = (*lamp.tint, 1.0)
-        if lamp.temperature:
-            emitter = self._emitter(name, lamp.temperature)
-            conversion.insert(light.inputs["Spectrum"], emitter, value=lamp.glow)
-        path = f"node_tree.{light.inputs['Tint'].path_from_id('default_value')}"
-        if animation.move(shading.owner, "color", path):
-            shading.owner[_MOVED] = path
+        glow = self._emitter(name, lamp.temperature) if lamp and lamp.temperature else None
+        conversion.wanted[socket] = [*wanted, sockets.Insertion(group, lamp, glow)]
+        self._remark_on_colour(conversion, shading, socket, lamp)
 
-    def _remark_on_colour(self, conversion, shading, light, lamp: Lamp | None) -> None:
+    def _remark_on_colour(self, conversion, shading, socket, lamp: Lamp | None) -> None:
         """Remark on light whose colour, as far as it is known, changes coloured surfaces otherwise than RGB does."""
-        colour = np.ones(3) if light.inputs[0].is_linked else np.array(light.inputs[0].default_value[:3])
+        colour = np.ones(3) if conversion.wiring.link(socket) else np.array(conversion.value(socket))
         colour *= lamp.tint if lamp else 1.0
         space = bpy.data.colorspace.working_space
         if upsample.filter_difference(self.model, colour, space) > _NOTICED:

@@ -17,9 +17,13 @@ which of them. So artists may rename groups. Inside a *Recombination*, the nodes
 names.
 """
 
+from collections.abc import Callable
+
 import bpy
 import numpy as np
 
+from ...core.picture.blender_exr import light_pass
+from ...core.picture.coefficients import EVERYTHING_ELSE
 from . import nodes
 
 __all__ = [
@@ -177,7 +181,10 @@ def emitter_group(name: str, coefficients: np.ndarray):
 
 
 def recombination_group(name: str, groups: list[str], passes: int):
-    """A compositor group: for every light group and pass an image in, the picture out; all matrices zero."""
+    """A compositor group: for every light group and pass an image in, the picture out; all matrices zero.
+
+    The picture in the light of each light group alone comes out beside it, named as the pass whose place it takes.
+    """
     tree = nodes.new_tree(name, "CompositorNodeTree", "recombination")
     nodes.add_socket(tree, "Alpha", "Float", output=False, default=1.0)
     for group in groups:
@@ -185,41 +192,83 @@ def recombination_group(name: str, groups: list[str], passes: int):
             nodes.add_socket(tree, f"{group} {k + 1}", "Color", output=False, default=(0.0, 0.0, 0.0, 1.0))
     nodes.add_socket(tree, "Image", "Color", output=True)
     source = nodes.add(tree, "NodeGroupInput", 0)
+    images = [
+        [_channels(tree, source, f"{group} {k + 1}", row * passes + k) for k in range(passes)]
+        for row, group in enumerate(groups)
+    ]
+    lights = [_weighed(tree, row, image, _column_name) for row, image in enumerate(images)]
     total = None
-    for row, group in enumerate(groups):
-        for k in range(passes):
-            separate = nodes.add(tree, "ShaderNodeSeparateXYZ", 1, row * passes + k)
-            tree.links.new(source.outputs[f"{group} {k + 1}"], separate.inputs[0])
-            for j in range(3):
-                total = nodes.multiply_add(tree, 2 + j, row * passes + k, 0.0, separate.outputs[j], total)
-                total.node.name = _column_name(row, 3 * k + j)
-    alpha = nodes.add(tree, "CompositorNodeSetAlpha", 6)
+    for row, light in enumerate(lights):
+        total = light if total is None else _sum(tree, row * passes, total, light)
+    alpha = nodes.add(tree, "CompositorNodeSetAlpha", 7)
     alpha.inputs["Type"].default_value = "Replace Alpha"
     tree.links.new(total, alpha.inputs["Image"])
     tree.links.new(source.outputs["Alpha"], alpha.inputs["Alpha"])
-    output = nodes.add(tree, "NodeGroupOutput", 7)
+    output = nodes.add(tree, "NodeGroupOutput", 8)
     tree.links.new(alpha.outputs[0], output.inputs["Image"])
+    rest = groups[-1] == EVERYTHING_ELSE
+    for row, group in enumerate(groups[:-1] if rest else groups):
+        nodes.add_socket(tree, light_pass(group), "Color", output=True)
+        alone = lights[row]
+        if rest:  # everything else is the image of all light: its matrix has been taken off those of the groups
+            alone = _sum(tree, row * passes, alone, _weighed(tree, row, images[row], _rest_name))
+        tree.links.new(alone, output.inputs[light_pass(group)])
     return tree
+
+
+def _channels(tree, source, image: str, row: int):
+    """The three channels of a coefficient pass of a light group."""
+    separate = nodes.add(tree, "ShaderNodeSeparateXYZ", 1, row)
+    tree.links.new(source.outputs[image], separate.inputs[0])
+    return separate.outputs
+
+
+def _weighed(tree, row: int, image: list, name: Callable[[int, int], str]):
+    """A matrix times the coefficients of a light group; `name` says which node holds which of its columns."""
+    total = None
+    for k, channels in enumerate(image):
+        for j in range(3):
+            total = nodes.multiply_add(tree, 2 + j, row * len(image) + k, 0.0, channels[j], total)
+            total.node.name = name(row, 3 * k + j)
+    return total
+
+
+def _sum(tree, row: int, a, b):
+    node = nodes.add(tree, "ShaderNodeVectorMath", 6, row, operation="ADD")
+    tree.links.new(a, node.inputs[0])
+    tree.links.new(b, node.inputs[1])
+    return node.outputs[0]
 
 
 def _column_name(group: int, channel: int) -> str:
     return f"matrix {group} column {channel}"
 
 
-def write_recombination(tree, matrices: np.ndarray) -> None:
-    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them already stay."""
-    changed = []
-    for group, matrix in enumerate(np.asarray(matrices, dtype=np.float32)):
+def _rest_name(group: int, channel: int) -> str:
+    return f"matrix {group} rest {channel}"
+
+
+def write_recombination(tree, matrices: np.ndarray) -> bool:
+    """Write (groups, 3, p) matrices into the sockets of a recombination group; those that hold them already stay.
+
+    Returns whether any changed.
+    """
+    matrices, changed = np.asarray(matrices, dtype=np.float32), []
+    for group, matrix in enumerate(matrices):
         for channel, column in enumerate(matrix.T):
-            socket = tree.nodes[_column_name(group, channel)].inputs[0]
-            if tuple(socket.default_value) != tuple(column.tolist()):
-                socket.default_value.foreach_set(column)
-                changed.append((socket, column))
+            held = [(tree.nodes[_column_name(group, channel)], column)]
+            if rest := tree.nodes.get(_rest_name(group, channel)):
+                held.append((rest, matrices[-1, :, channel]))
+            for node, numbers in held:
+                if tuple(node.inputs[0].default_value) != tuple(numbers.tolist()):
+                    node.inputs[0].default_value.foreach_set(numbers)
+                    changed.append((node.inputs[0], numbers))
     if changed:
         # One assignment tells Blender. To assign each makes it look through the whole file as often: 25 ms with 2,000
         # materials, for one illuminant
         socket, column = changed[-1]
         socket.default_value = column
+    return bool(changed)
 
 
 def matrix_sockets(tree) -> list:

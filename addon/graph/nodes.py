@@ -15,7 +15,9 @@ __all__ = [
     "add_socket",
     "choose",
     "clear_orphans",
+    "holder",
     "insert",
+    "inserted_before",
     "mixed",
     "multiply_add",
     "new_tree",
@@ -115,6 +117,19 @@ def unplugged(tree) -> Iterator[None]:
     finally:
         for source, target, muted in ends:
             tree.links.new(source, target).is_muted = muted
+
+
+def inserted_before(socket):
+    """The node that `insert` put right in front of a socket, None if there is none."""
+    node = socket.links[0].from_node if socket.is_linked else None
+    return node if node is not None and role(node) in INSERTED else None
+
+
+def holder(socket):
+    """The socket that holds the artist's own link or value of a socket: the one before all that was inserted."""
+    while (node := inserted_before(socket)) is not None:
+        socket = node.inputs[0]
+    return socket
 
 
 def insert(tree, socket, link, group, value: Sequence[float] | None = None):

@@ -1,11 +1,10 @@
-"""The colours of a scene: putting an *Upsample* or *Light* group in front of every spectral socket, and taking it out.
+"""The colours of a scene: which of them need an *Upsample* or *Light* group in front, so that they are spectral.
 
 A spectrum is spectral already. Where it reaches a closure through reroutes, mixes or node groups, the RGB colours that
 it is mixed with are upsampled before the mix.
 """
 
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import bpy
@@ -19,14 +18,14 @@ from .closures import Bounds, Kind, bounds_of, in_use, is_animated, kind_of, rea
 from .wiring import Wiring
 
 __all__ = [
+    "Conversion",
+    "Insertion",
     "Shading",
     "all_trees",
-    "convert",
+    "describe",
     "emits",
-    "restore",
     "shadings_of",
     "spectral_sockets",
-    "take_out",
     "trees_of",
     "untouchable",
     "upsample_group_for",
@@ -34,7 +33,6 @@ __all__ = [
 
 # Nodes that turn a spectrum into another colour
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
-_ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
 _SHARED = "its animation is that of other materials too: the colour stays RGB"
 _TOO_PURE = "this colour lies outside Rec.709: the surface comes out less pure than plain RGB shows it"
@@ -122,30 +120,53 @@ def upsample_group_for(socket, channels: int):
     return node_groups.upsample_group(channels, vector=socket.type == "VECTOR", bounds=bounds_of(socket))
 
 
-class Conversion:
-    """The state of one conversion: how the trees are wired, what of them is animated, and what stays RGB.
+@dataclass(frozen=True)
+class Insertion:
+    """A node that goes in front of a socket: a node of `group`.
 
-    until_done: closed when all is converted.
+    lamp, glow: for the *Light* of a lamp, its `lights.Lamp` and the emitter group of its temperature.
     """
 
-    def __init__(self, shadings: list[Shading], channels: int, has_spectra: bool, until_done: ExitStack) -> None:
-        self.channels, self.has_spectra, self.until_done = channels, has_spectra, until_done
+    group: bpy.types.NodeTree
+    lamp: object = None
+    glow: bpy.types.NodeTree | None = None
+
+
+class Conversion:
+    """What should be in front of the sockets of some node trees, as a function of the artist's own nodes alone.
+
+    wanted: {socket: the insertions before it, the one at the source first}.
+    neutral: sockets that need nothing because their colour is grey.
+    """
+
+    def __init__(self, shadings: list[Shading], channels: int) -> None:
+        self.channels = channels
+        self.has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
         self.by_tree = {shading.tree: shading for shading in shadings}
         self.wiring = Wiring(self.by_tree)
-        self.unplugged, self.animated = set(), {}
-        self.remarks: list[Remark] = []
+        self.wanted: dict[bpy.types.NodeSocket, list[Insertion]] = {}
+        self.neutral: set[bpy.types.NodeSocket] = set()
+        self.animated, self.remarks = {}, []
 
     def animated_in(self, shading: Shading) -> frozenset[str]:
         if shading.tree not in self.animated:
             self.animated[shading.tree] = animation.paths(shading.tree, shading.owner)
         return self.animated[shading.tree]
 
+    def animated_path(self, socket) -> str:
+        """The path that the animation of the value of a socket acts on, "" if there is none."""
+        animated = self.animated_in(self.by_tree[socket.id_data])
+        for place in (self.wiring.holder(socket), socket):
+            if is_animated(place, animated):
+                return place.path_from_id("default_value")
+        return ""
+
     def is_held(self, shading: Shading, socket) -> bool:
         """Whether the value of a socket is animated in a way that cannot be moved to another."""
-        if not is_animated(socket, self.animated_in(shading)):
-            return False
-        path = socket.path_from_id("default_value")
-        return animation.is_shared(shading.tree, path) or animation.is_shared(shading.owner, f"node_tree.{path}")
+        path = self.animated_path(socket)
+        return bool(path) and (
+            animation.is_shared(shading.tree, path) or animation.is_shared(shading.owner, f"node_tree.{path}")
+        )
 
     def carries_spectrum(self, socket, visited: set | None = None) -> bool:
         """Whether a measured spectrum reaches a socket. visited: sockets that need not be looked at."""
@@ -170,82 +191,61 @@ class Conversion:
             self.remarks.append(Remark(self.by_tree[node.id_data].words, node.name, why))
 
     def upsample(self, socket) -> None:
-        """Make what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
+        """Want what comes into a socket spectral: at the socket itself, or before a mix that a spectrum is part of."""
         visited, waiting = set(), [socket]
         while waiting:
             socket = waiting.pop()
             link = self.wiring.link(socket)
-            if socket in visited or (link and nodes.role(link.from_node) in nodes.INSERTED | {"spectrum"}):
+            if socket in visited or (link and nodes.role(link.from_node) == "spectrum"):
                 continue
             visited.add(socket)
             if self.carries_spectrum(socket):
                 waiting += self.wiring.feeds(socket) or ()
-            elif not self.is_neutral(socket, link):
+            elif self.is_neutral(socket, link):
+                self.neutral.add(socket)
+            elif socket not in self.wanted:
                 if self.is_too_pure(socket, link):
                     self.remarks.append(Remark(self.by_tree[socket.id_data].words, socket.node.name, _TOO_PURE))
-                self.insert(socket, upsample_group_for(socket, self.channels))
+                self.wanted[socket] = [Insertion(upsample_group_for(socket, self.channels))]
+
+    def value(self, socket) -> tuple[float, float, float]:
+        """The colour or vector that a socket has where nothing is linked to it."""
+        return tuple(self.wiring.holder(socket).default_value[:3])
 
     def is_too_pure(self, socket, link) -> bool:
         """Whether Cycles cuts channels of the colour that a socket holds, for they are below 0."""
         if (link is not None and not link.is_muted) or bounds_of(socket) is Bounds.NONE:
             return False
-        return upsample.is_outside_rec709(socket.default_value[:3], bpy.data.colorspace.working_space)
+        return upsample.is_outside_rec709(self.value(socket), bpy.data.colorspace.working_space)
 
     def is_neutral(self, socket, link) -> bool:
         """Whether the value of a socket is the same in every channel, and stays so."""
-        animated = self.animated_in(self.by_tree[socket.id_data])
-        if (link is not None and not link.is_muted) or is_animated(socket, animated):
+        if (link is not None and not link.is_muted) or self.animated_path(socket):
             return False
-        red, green, blue = socket.default_value[:3]
-        return red == green == blue
-
-    def insert(self, socket, group, value: Sequence[float] | None = None):
-        """Put a node of `group` in front of a socket, as `nodes.insert` does."""
-        shading = self.by_tree[socket.id_data]
-        if shading.owner != shading.tree and shading.tree not in self.unplugged:
-            self.unplugged.add(shading.tree)
-            self.until_done.enter_context(nodes.unplugged(shading.tree))
-        node = nodes.insert(shading.tree, socket, self.wiring.link(socket), group, value)
-        self.wiring.note(node.outputs[0].links[0])
-        if is_animated(socket, self.animated_in(shading)):
-            self.move_animation(shading, socket.path_from_id("default_value"), node)
-        return node
-
-    def move_animation(self, shading: Shading, path: str, node) -> None:
-        """Let the animation of a value act on the inserted node, which now holds it."""
-        after = node.inputs[0].path_from_id("default_value")
-        node[_ANIMATED] = path
-        animation.move(shading.tree, path, after)
-        if shading.owner != shading.tree:
-            animation.move(shading.owner, f"node_tree.{path}", f"node_tree.{after}")
-        self.animated[shading.tree] = self.animated[shading.tree] - {path} | {after}
+        return len(set(self.value(socket))) == 1
 
 
-def convert(
-    shadings: list[Shading], channels: int, light: Callable[[Conversion, Shading, bpy.types.NodeSocket], None]
-) -> list[Remark]:
-    """Make every colour of the node trees of a scene take part in the spectral render; grey ones do already.
+Light = Callable[[Conversion, Shading, bpy.types.NodeSocket], None]
 
-    light: called for each socket that sends out light. Returns remarks on what stays RGB. Running it twice changes
-    nothing more.
+
+def describe(shadings: list[Shading], channels: int, light: Light, only: Collection | None = None) -> Conversion:
+    """What should be in front of every colour of the node trees of a scene; grey ones need nothing.
+
+    light: called for each socket that sends out light. only: trees to look at; the others say what reaches them.
     """
-    has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
-    with ExitStack() as stack:
-        conversion = Conversion(shadings, channels, has_spectra, stack)
-        for shading in shadings:
-            _convert_tree(conversion, shading, light)
-    return conversion.remarks
+    conversion = Conversion(shadings, channels)
+    for shading in shadings:
+        if only is None or shading.tree in only:
+            _describe_tree(conversion, shading, light)
+    return conversion
 
 
-def _convert_tree(conversion: Conversion, shading: Shading, light) -> None:
+def _describe_tree(conversion: Conversion, shading: Shading, light: Light) -> None:
     has_output = shading.owner == shading.tree
-    for node in list(shading.tree.nodes):
+    for node in shading.tree.nodes:
         has_output |= getattr(node, "is_active_output", False)
         conversion.remarks += [Remark(shading.words, node.name, why) for why in reasons(node)]
         for socket in spectral_sockets(node):
-            link = conversion.wiring.link(socket)
-            if link is not None and nodes.role(link.from_node) in nodes.INSERTED:
-                continue
             if not in_use(socket, conversion.animated_in(shading)):
                 continue
             if conversion.is_held(shading, socket):
@@ -259,26 +259,6 @@ def _convert_tree(conversion: Conversion, shading: Shading, light) -> None:
                 conversion.upsample(socket)
     if not has_output:
         conversion.remarks.append(Remark(shading.words, "", "it has no output node: Cycles shows nothing of it"))
-
-
-def restore(tree, owner) -> None:
-    """Take out of a node tree what `convert` put in. owner: as of a `Shading`."""
-    inserted = [node for node in tree.nodes if nodes.role(node) in nodes.INSERTED]
-    if not inserted:
-        return
-    with nodes.unplugged(tree):
-        for node in inserted:
-            take_out(tree, owner, node)
-
-
-def take_out(tree, owner, node) -> None:
-    """Take one inserted node out of a tree; its animation goes back to where it was."""
-    if _ANIMATED in node:
-        after = node.inputs[0].path_from_id("default_value")
-        animation.move(tree, after, node[_ANIMATED])
-        if owner != tree:
-            animation.move(owner, f"node_tree.{after}", f"node_tree.{node[_ANIMATED]}")
-    nodes.take_out(tree, node)
 
 
 def all_trees():

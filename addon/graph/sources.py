@@ -53,19 +53,12 @@ def _trees_in(start) -> list:
     return list(found)
 
 
-def _holder(wiring: Wiring, socket):
-    """The socket that holds a value: the one before what set-up inserted."""
-    while (link := wiring.link(socket)) is not None and nodes.role(link.from_node) in {"upsample", "light"}:
-        socket = link.from_node.inputs[0]
-    return socket
-
-
 def _ends(wiring: Wiring, animated: dict, start) -> list:
     """The sources of what comes into a socket, through reroutes, groups and mixes."""
     found, visited, waiting = [], set(), [(start, False)]
     while waiting:
         socket, changed = waiting.pop()
-        socket = _holder(wiring, socket)
+        socket = wiring.holder(socket)
         if socket in visited:
             continue
         visited.add(socket)
@@ -110,9 +103,9 @@ def _is_rgb_metal(wiring: Wiring, node, used: list) -> bool:
     """Whether n and k of a metal are numbers for red, green and blue."""
     if node.bl_idname != "ShaderNodeBsdfMetallic" or not used or used[0].name not in _METAL:
         return False
-    return all(wiring.link(_holder(wiring, node.inputs[name])) is None for name in _METAL)
+    return all(wiring.link(node.inputs[name]) is None for name in _METAL)
 
 
 def _metal_colour(wiring: Wiring, node) -> tuple:
-    n, k = (_holder(wiring, node.inputs[name]).default_value[:3] for name in _METAL)
+    n, k = (wiring.holder(node.inputs[name]).default_value[:3] for name in _METAL)
     return tuple(fresnel.reflectance(n, k, 1.0).tolist())

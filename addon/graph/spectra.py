@@ -4,6 +4,8 @@ A spectrum group keeps its samples in the custom property `SPECTRA`, {output soc
 for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
 """
 
+import hashlib
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,12 +16,14 @@ from ...core.colour import spaces
 from ...core.model import fresnel
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
-from . import node_groups, nodes, sockets
+from . import insertion, node_groups, nodes, sockets
 
 __all__ = [
+    "FILLED",
     "SPECTRA",
     "assign",
     "existing",
+    "filled_for",
     "mend_all",
     "new_conductor",
     "new_reflectance",
@@ -33,6 +37,7 @@ __all__ = [
 ]
 
 SPECTRA = "relume_spectra"
+FILLED = "relume_filled"  # on a group with spectra: a checksum of them and of the model that it is filled for
 _PLAIN = "relume_plain"  # on a spectrum group while it gets other nodes: its plain values
 
 
@@ -103,14 +108,14 @@ def assign(material, socket, tree, output: str = "Color"):
         node = node_tree.nodes.new("ShaderNodeGroup")
         node.node_tree = tree
         node.location = (socket.node.location.x - 220, socket.node.location.y - 60)
-    before = inserted_before(socket)
+    before = nodes.inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
         node_groups.set_spectral(before, _channels(), True)
         socket = before.inputs["Color"]
-        before = inserted_before(socket)
+        before = nodes.inserted_before(socket)
     while before is not None:
-        sockets.take_out(node_tree, material, before)
-        before = inserted_before(socket)
+        insertion.take_out(node_tree, material, before)
+        before = nodes.inserted_before(socket)
     old = socket.links[0].from_node if source_of(socket) else None
     node_tree.links.new(node.outputs[output], socket)
     if old is not None and old != node:
@@ -130,7 +135,7 @@ def _clear_unused(tree, node):
 
 def unassign(material, socket) -> None:
     """Let a shader socket of a material show its own RGB colour again, upsampled in a scene that is set up."""
-    tree, before = material.node_tree, inserted_before(socket)
+    tree, before = material.node_tree, nodes.inserted_before(socket)
     if before is not None and nodes.role(before) == "light":
         node_groups.set_spectral(before, _channels(), False)
         socket = before.inputs["Color"]
@@ -143,15 +148,9 @@ def unassign(material, socket) -> None:
         nodes.insert(tree, socket, None, sockets.upsample_group_for(socket, _channels()))
 
 
-def inserted_before(socket):
-    """The node that set-up put right in front of a socket, None if there is none."""
-    node = socket.links[0].from_node if socket.is_linked else None
-    return node if node is not None and nodes.role(node) in nodes.INSERTED else None
-
-
 def source_of(socket):
     """The spectrum group that feeds a socket, through what set-up put in between; None if none does."""
-    while (before := inserted_before(socket)) is not None:
+    while (before := nodes.inserted_before(socket)) is not None:
         socket = before.inputs[0]
     node = socket.links[0].from_node if socket.is_linked else None
     return node.node_tree if node is not None and nodes.role(node) == "spectrum" else None
@@ -179,12 +178,15 @@ def _fill(tree, model: FactorModel) -> None:
         n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
         coefficients = {"IOR": n, "Extinction": k}
     _fill_with(tree, _plain_in(tree), coefficients)
+    tree[FILLED] = filled_for(tree, model)
 
 
 @contextmanager
 def _refilling(tree, plain: dict[str, tuple]) -> Iterator[None]:
     """While a spectrum group gets other nodes: where that ends part-way, its plain values are not lost."""
     tree[_PLAIN] = plain
+    if FILLED in tree:
+        del tree[FILLED]
     tree.nodes.clear()
     yield
     del tree[_PLAIN]
@@ -254,9 +256,18 @@ def _local() -> list:
 
 
 def update_all(model: FactorModel) -> None:
-    """Give every spectrum of this file the coefficients of `model`."""
+    """Give every spectrum of this file the coefficients of `model`; those that have them stay untouched."""
     for tree in _local():
-        _fill(tree, model)
+        if tree.get(FILLED) != filled_for(tree, model):
+            _fill(tree, model)
+
+
+def filled_for(tree, model: FactorModel | None) -> str:
+    """What a group with spectra notes as `FILLED` once it is filled for a model; "" for none."""
+    if model is None:
+        return ""
+    held = json.dumps([tree[SPECTRA].to_dict(), model.to_dict()])
+    return hashlib.sha256(held.encode()).hexdigest()[:16]
 
 
 def mend_all(model: FactorModel) -> None:

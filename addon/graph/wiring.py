@@ -12,7 +12,8 @@ _THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "C
 
 
 class Wiring:
-    """What comes into the inputs of some node trees; what comes out of other trees starts there.
+    """What comes into the inputs of some node trees as the artist sees it: as if nothing were inserted. What comes out
+    of other trees starts there.
 
     Blender looks through all links of a tree to find those of one socket: here that is done once for each tree.
     """
@@ -22,12 +23,27 @@ class Wiring:
         self._incoming = {}
 
     def link(self, socket):
-        """The link that comes into a socket, muted or not; None if there is none."""
-        return self._links_of(socket.id_data).get(socket)
+        """The artist's link that comes into a socket, muted or not; None if there is none."""
+        return self._links_of(socket.id_data).get(self.holder(socket))
 
-    def note(self, link) -> None:
-        """Take note of a new link."""
-        self._links_of(link.id_data)[link.to_socket] = link
+    def holder(self, socket):
+        """The socket that holds the link or the value: that of the first of the nodes inserted before it."""
+        links = self._links_of(socket.id_data)
+        while (link := links.get(socket)) is not None and nodes.role(link.from_node) in nodes.INSERTED:
+            socket = link.from_node.inputs[0]
+        return socket
+
+    def inserted(self, socket) -> list:
+        """The inserted nodes before a socket, the one that feeds it first."""
+        links, found = self._links_of(socket.id_data), []
+        while (link := links.get(socket)) is not None and nodes.role(link.from_node) in nodes.INSERTED:
+            found.append(link.from_node)
+            socket = link.from_node.inputs[0]
+        return found
+
+    def forget(self, tree) -> None:
+        """Read the links of a tree anew: they have changed."""
+        self._incoming.pop(tree, None)
 
     def _links_of(self, tree) -> dict:
         if tree not in self._incoming:

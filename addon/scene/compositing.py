@@ -1,5 +1,8 @@
 """The recombination in a scene's compositing: coefficient passes in, the picture out for whatever comes after."""
 
+import json
+from collections import Counter
+
 import bpy
 import numpy as np
 
@@ -11,13 +14,24 @@ from ..host import denoising
 from ..store import properties
 from . import view_layers
 
-__all__ = ["add", "compare", "end_comparison", "move_wipe", "recombinations", "remove", "rename", "write_matrices"]
+__all__ = [
+    "compare",
+    "end_comparison",
+    "follow_names",
+    "move_wipe",
+    "patch",
+    "recombinations",
+    "remove",
+    "rename",
+    "write_matrices",
+]
 
 _SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 _ADDED = "relume_added"  # on the nodes that Relume added
 _TREE = "Relume Compositing"
 _COMPARISON = "relume_comparison"  # on the nodes of a comparison
 _LINE = "relume_line"  # on the node that says where the pictures meet
+_WIRING = "relume_wiring"  # on a scene: what its compositing looked like when it was set up
 _STEP = 240
 
 
@@ -35,8 +49,14 @@ def _new_tree(source: str):
     return tree
 
 
-def add(scene, groups: list[str]) -> None:
-    """Put the recombination in the place of the Render Layers image, in the compositing that the scene has or gets."""
+def patch(scene, groups: list[str]) -> bool:
+    """Have the recombination in the place of the Render Layers image, in the compositing that the scene has or gets.
+
+    What is right already stays untouched; returns whether anything was not.
+    """
+    if _is_right(scene, groups):
+        return False
+    remove(scene)
     layers = view_layers.pass_layers(scene)
     if scene.compositing_node_group is None:
         scene.compositing_node_group = _new_tree(next(iter(layers)))
@@ -47,11 +67,65 @@ def add(scene, groups: list[str]) -> None:
             group = node_groups.recombination_group(f"Relume Recombination {source}", groups, len(copies))
             for node in shown:
                 _feed(tree, node, group, copies, groups)
+    nodes.clear_orphans()
+    scene[_WIRING] = _wiring(scene, groups)
+    return True
+
+
+def _is_right(scene, groups: list[str]) -> bool:
+    tree, layers = scene.compositing_node_group, view_layers.pass_layers(scene)
+    if tree is None or scene.get(_WIRING) != _wiring(scene, groups):
+        return False
+    for node in tree.nodes:
+        own = node.type == "R_LAYERS" and node.scene == scene and _ADDED not in node
+        if own and _SOURCE not in node and node.layer in layers:
+            return False  # the artist's own, of later
+        if own and _SOURCE in node and any(link for socket in _raw(node, groups) for link in _artists(socket)):
+            return False
+    used = Counter(node.node_tree for node in recombinations(scene))
+    return all(group.users == count for group, count in used.items())
+
+
+def _wiring(scene, groups: list[str]) -> str:
+    """What the nodes that Relume added are to each other, and what they were made for, as text."""
+    tree, cycles = scene.compositing_node_group, scene.cycles
+    layers = {source: [copy.name for copy in copies] for source, copies in view_layers.pass_layers(scene).items()}
+    made_for = [groups, layers, scene.relume.denoises_passes, cycles.use_denoising]
+    if cycles.use_denoising:
+        made_for += [denoising.guides_of(scene), denoising.prefilter_of(scene)]
+    added = [node for node in tree.nodes if _ADDED in node and _COMPARISON not in node]
+    shown = [(node.name, getattr(node, "layer", ""), node.mute) for node in [*added, *_fed(scene)]]
+    links = [
+        (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.name, link.is_muted)
+        for link in tree.links
+        if _ADDED in link.to_node and _COMPARISON not in link.to_node
+    ]
+    return json.dumps([made_for, sorted(shown), sorted(links)])
+
+
+def _fed(scene) -> list:
+    """The artist's Render Layers nodes that became first passes."""
+    nodes_ = scene.compositing_node_group.nodes
+    return [node for node in nodes_ if _SOURCE in node and node.scene == scene]
+
+
+def _raw(first, groups: list[str]) -> list:
+    """The outputs of a first pass that hold coefficients of what the recombination gives as a picture."""
+    names = {"Image", *(light_pass(group) for group in groups if group != EVERYTHING_ELSE)}
+    return [socket for socket in first.outputs if socket.name in names]
+
+
+def _artists(socket) -> list:
+    """The links from an output to nodes that Relume did not add."""
+    return [link for link in socket.links if _ADDED not in link.to_node]
 
 
 def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
-    """Make the artist's Render Layers node the first pass, and give its users the recombined picture for its image."""
-    users = [link.to_socket for link in first.outputs["Image"].links]
+    """Make the artist's Render Layers node the first pass, and give its users the recombined picture for its image.
+
+    So do the users of a light group's pass: they get its light, recombined.
+    """
+    users = {socket.name: [link.to_socket for link in socket.links] for socket in _raw(first, groups)}
     first[_SOURCE] = first.layer
     first.layer = copies[0].name
     renders = [first]
@@ -71,11 +145,13 @@ def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
             if apart:
                 part = _denoise(tree, node, part, 0.75, row / len(groups))
             tree.links.new(part, recombination.inputs[f"{name} {k + 1}"])
+        for user in users.get(image, ()) if image != "Image" else ():
+            tree.links.new(recombination.outputs[image], user)
     picture = recombination.outputs["Image"]
     if first.scene.cycles.use_denoising and not apart:
         # One denoising whatever the number of passes and light groups: the light is changed more often than rendered
         picture = _denoise(tree, first, picture, 2.3, 0)
-    for user in users:
+    for user in users["Image"]:
         tree.links.new(picture, user)
 
 
@@ -98,10 +174,19 @@ def _added(tree, kind: str, beside, column: float, row: float):
     return node
 
 
-def write_matrices(scene, matrices: np.ndarray) -> None:
-    """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination."""
+def write_matrices(scene, matrices: np.ndarray) -> bool:
+    """Write the (groups, 3, p) recombination matrices into the sockets of the scene's recombination; whether any
+    changed."""
+    changed = False
     for tree in {node.node_tree for node in recombinations(scene)}:
-        node_groups.write_recombination(tree, _as_rendered(scene, matrices))
+        changed |= node_groups.write_recombination(tree, _as_rendered(scene, matrices))
+    return changed
+
+
+def follow_names(scene, names: dict[str, str]) -> None:
+    """Follow the artist's view layers to new names: {before: now}."""
+    for node in _fed(scene) if names and scene.compositing_node_group else ():
+        node[_SOURCE] = names.get(node[_SOURCE], node[_SOURCE])
 
 
 def rename(scene, before: str, after: str) -> None:
@@ -120,6 +205,8 @@ def rename(scene, before: str, after: str) -> None:
             group, _, number = item.name.rpartition(" ")
             if group == before:
                 item.name = f"{after} {number}"
+            elif item.name == light_pass(before) and item.in_out == "OUTPUT":
+                item.name = light_pass(after)
     for render in {render for render, _, _ in fed}:
         render.layer = render.layer  # reads the names of the passes anew
     for render, node, name in fed:
@@ -135,7 +222,14 @@ def _as_rendered(scene, matrices: np.ndarray) -> np.ndarray:
 def recombinations(scene) -> list:
     """The nodes that recombine the scene's coefficient passes."""
     tree = scene.compositing_node_group
-    return [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
+    found = [node for node in tree.nodes if nodes.role(node) == "recombination"] if tree else []
+    return [node for node in found if _scene_of(node) in (scene, None)]
+
+
+def _scene_of(recombination):
+    """Whose passes a node recombines; None where the artist took its Render Layers node away."""
+    alpha = recombination.inputs["Alpha"]
+    return getattr(alpha.links[0].from_node, "scene", None) if alpha.is_linked else None
 
 
 def _users(picture):
@@ -150,19 +244,18 @@ def _users(picture):
 def remove(scene) -> None:
     """Give the compositing back as it was."""
     tree = scene.compositing_node_group
+    if _WIRING in scene:
+        del scene[_WIRING]
     if tree is None:
         return
     end_comparison(scene)
     for recombination in recombinations(scene):
-        if not recombination.inputs["Alpha"].is_linked:
-            continue  # the artist deleted the Render Layers node
-        first = recombination.inputs["Alpha"].links[0].from_node
-        for user in _users(recombination.outputs["Image"]):
-            tree.links.new(first.outputs["Image"], user)
-    for node in [node for node in tree.nodes if _ADDED in node]:
+        if recombination.inputs["Alpha"].is_linked:
+            _take_out(tree, recombination.inputs["Alpha"].links[0].from_node, recombination)
+    for node in [node for node in tree.nodes if _ADDED in node and _belongs(node, scene)]:
         tree.nodes.remove(node)
     names = view_layers.source_names(scene)
-    for node in [node for node in tree.nodes if _SOURCE in node]:
+    for node in _fed(scene):
         if node[_SOURCE] in names:
             node.layer = names[node[_SOURCE]]
         del node[_SOURCE]
@@ -170,6 +263,30 @@ def remove(scene) -> None:
         scene.compositing_node_group = None
         if tree.users == 0:
             bpy.data.node_groups.remove(tree)
+
+
+def _take_out(tree, first, recombination) -> None:
+    """Give what the recombination feeds to the Render Layers node that it is fed by."""
+    for node in [n for n in tree.nodes if n.type == "DENOISE" and _ADDED in n and n.inputs["Image"].is_linked]:
+        source = node.inputs["Image"].links[0]
+        if _ADDED not in source.from_node:  # the artist put a node in between
+            for link in list(node.outputs["Image"].links):
+                tree.links.new(source.from_socket, link.to_socket)
+    for user in _users(recombination.outputs["Image"]):
+        tree.links.new(first.outputs["Image"], user)
+    for socket in recombination.outputs[1:]:
+        for link in list(socket.links):
+            if light_pass(socket.name) in first.outputs:
+                tree.links.new(first.outputs[light_pass(socket.name)], link.to_socket)
+
+
+def _belongs(node, scene) -> bool:
+    """Whether a node that Relume added was added for a scene: another may show the same compositing."""
+    if node.type == "R_LAYERS":
+        return node.scene == scene
+    if nodes.role(node) == "recombination":
+        return _scene_of(node) in (scene, None)
+    return True
 
 
 def compare(scene, matrices: np.ndarray) -> None:

@@ -6,7 +6,7 @@ from ...core.errors import SetupError
 from ..graph import lights
 from ..host import animation, denoising, inventory
 from ..store.remarks import Remark
-from . import rows
+from . import rows, view_layers
 
 __all__ = ["check", "remarks_on"]
 
@@ -41,8 +41,9 @@ def remarks_on(scene, found: inventory.Inventory) -> list[Remark]:
     faulty = []
     if scene.cycles.use_denoising and not denoising.available():
         faulty.append(Remark("Render Properties", "Denoise", _NO_DENOISER))
-    for layer in scene.view_layers:
-        if layer.use and all(thing.hide_render or thing.type == "CAMERA" for thing in layer.objects):
+    for layer in view_layers.sources(scene):
+        # None: an object that a script removed, until Blender looks at the layer again
+        if all(t is None or t.hide_render or t.type == "CAMERA" for t in layer.objects):
             faulty.append(Remark(layer.name, "", _BARE))
     for block in found.blocks:
         if block.is_missing:

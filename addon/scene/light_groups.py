@@ -103,7 +103,7 @@ def _assign(scene, assigned: list[tuple[str, list]]) -> None:
                 mixer.apply(settings, {"light_groups": {name: start}, "balance": {}})
         rows.discard(scene, lit.difference(lights.light_groups_of(scene)))  # what their lamps left
     if settings.is_set_up:
-        setup.set_up_afresh(scene)
+        setup.update(scene)
 
 
 def empty(scene) -> list[str]:
@@ -121,7 +121,7 @@ def remove_empty(scene) -> list[str]:
             if name in layer.lightgroups:
                 layer.lightgroups.remove(layer.lightgroups[name])
     if names and scene.relume.is_set_up:
-        setup.set_up_afresh(scene)
+        setup.update(scene)
     return names
 
 

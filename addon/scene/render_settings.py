@@ -6,49 +6,140 @@ from ...core.picture import sampling
 from ..host import animation
 from . import view_layers
 
-__all__ = ["SUBSET", "change_engines", "compare", "drive", "give_back", "is_previewing", "keep", "stop_noise"]
+__all__ = [
+    "SUBSET",
+    "adaptive",
+    "change_engines",
+    "compare",
+    "give_back",
+    "is_driven",
+    "is_free",
+    "is_previewing",
+    "is_suspended",
+    "own",
+    "own_value",
+    "patch",
+    "suspend",
+]
 
 SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
 _ADAPTIVE = ("adaptive_threshold", "adaptive_min_samples")
 _BEFORE = "relume_before"  # on a scene: what its own settings were
+_PUT = "relume_put"  # on a scene: what set-up made of them
+_SUSPENDED = "relume_suspended"  # on a scene: another engine renders it for now
 _SOON = 0.1  # seconds
 _waiting = {}  # scene's session_uid: the engine it is to get
 
 
-def _changed(scene) -> list[tuple]:
-    """(owner, its name in the note, property, value for coefficient passes) of each setting that set-up changes."""
-    return [
-        (scene.render, "render", "engine", "CYCLES"),
-        (scene.render, "render", "use_persistent_data", True),
-        (scene.render, "render", "use_compositing", True),
-        (scene.render, "render", "compositor_precision", "FULL"),
-        (scene.cycles, "cycles", "use_layer_samples", "USE"),
-        *((scene.cycles, "cycles", name, getattr(scene.cycles, name)) for name in ("seed", *SUBSET, *_ADAPTIVE)),
-    ]
+# (owner, setting): what set-up changes, and the value that coefficient passes need where it is always the same
+_FIXED = {
+    "render.engine": "CYCLES",
+    "render.use_persistent_data": True,
+    "render.use_compositing": True,
+    "render.compositor_precision": "FULL",
+    "cycles.use_layer_samples": "USE",
+}
+_FREE = [f"cycles.{name}" for name in ("seed", *SUBSET, *_ADAPTIVE)]
 
 
-def keep(scene) -> None:
-    """Note the scene's own settings and put those that coefficient passes need."""
-    own_engine = _waiting.pop(scene.session_uid, scene.render.engine)
-    scene[_BEFORE] = {
-        f"{owner}.{name}": getattr(struct, name)
-        for struct, owner, name, _ in _changed(scene)
-        if owner == "render" or struct.is_property_set(name)
-    }
-    scene[_BEFORE]["render.engine"] = own_engine
-    scene[_BEFORE]["driven"] = ""
-    scene[_BEFORE]["had_animation"] = scene.animation_data is not None
-    for struct, _, name, value in _changed(scene):
-        _put(struct, name, value)
+def _place(scene, path: str) -> tuple:
+    owner, _, name = path.partition(".")
+    return getattr(scene, owner), name
 
 
-def drive(scene, otherwise: dict[str, int]) -> None:
-    """Have settings of Cycles follow the pass that is rendered: {its name: the value outside of passes}."""
-    scene[_BEFORE]["driven"] = " ".join(otherwise)
-    for name, value in otherwise.items():
-        view_layers.drive(scene, name, value)
-    if "sample_offset" in otherwise:
-        scene.cycles.use_sample_subset = True
+def own(scene) -> dict:
+    """{"cycles.seed" and the like: the artist's own value} of all settings that set-up changes.
+
+    What was noted, or what the artist chose since, but for settings that are the same in all set-ups. None: not set.
+    """
+    before, put = ((scene[key].to_dict() if key in scene else {}) for key in (_BEFORE, _PUT))
+    found = {}
+    for path in (*_FIXED, *_FREE):
+        struct, name = _place(scene, path)
+        value = getattr(struct, name)
+        untouched = value == put.get(path) or animation.is_animated(scene, path)
+        if before and (untouched or not put):  # Relume 0.1.0 did not note what it put
+            found[path] = before.get(path)
+        else:
+            found[path] = value if path.startswith("render.") or struct.is_property_set(name) else None
+    if engine := _waiting.get(scene.session_uid):
+        found["render.engine"] = before.get("render.engine", engine)
+    return found
+
+
+def own_value(scene, name: str):
+    """The artist's own value of a setting of Cycles that set-up changes."""
+    value = own(scene)[f"cycles.{name}"]
+    return scene.cycles.bl_rna.properties[name].default if value is None else value
+
+
+def is_driven(scene, name: str) -> bool:
+    """Whether a setting of Cycles is driven as `view_layers.drive` does."""
+    curves = scene.animation_data.drivers if scene.animation_data else ()
+    return any(c.data_path == f"cycles.{name}" and c.driver.expression == "own" for c in curves)
+
+
+def is_free(scene, name: str) -> bool:
+    """Whether nothing of the artist's own animates or drives a setting of Cycles."""
+    return is_driven(scene, name) or not animation.is_animated(scene, f"cycles.{name}")
+
+
+def is_suspended(scene) -> bool:
+    """Whether the artist renders the scene with another engine for now: there are no coefficient passes then."""
+    others = scene.render.engine != "CYCLES" and scene.session_uid not in _waiting
+    return others and (_BEFORE in scene or _SUSPENDED in scene)
+
+
+def suspend(scene) -> None:
+    """Put the artist's own settings back while another engine renders."""
+    if _BEFORE in scene or _SUSPENDED not in scene:
+        give_back(scene)
+        scene[_SUSPENDED] = True
+
+
+def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> None:
+    """Give the scene the settings that coefficient passes need, and note the artist's own, as they are now.
+
+    driven: {setting of Cycles that follows the pass that is rendered: its value outside of passes}. adaptive: noise
+    threshold and least samples of a pass; None for the artist's own.
+    """
+    if _SUSPENDED in scene:
+        del scene[_SUSPENDED]
+    kept, before = own(scene), scene[_BEFORE].to_dict() if _BEFORE in scene else {}
+    was_driven = before.get("driven", "").split()
+    note = {path: value for path, value in kept.items() if value is not None}
+    note["driven"] = " ".join(dict.fromkeys([*driven, *was_driven]))
+    note["had_animation"] = before.get("had_animation", scene.animation_data is not None)
+    wanted = dict(_FIXED)
+    wanted |= dict(zip((f"cycles.{name}" for name in _ADAPTIVE), adaptive, strict=True)) if adaptive else {}
+    if "sample_offset" in driven:
+        wanted["cycles.use_sample_subset"] = True
+    if _note(scene, _BEFORE, note) and _PUT in scene:
+        del scene[_PUT]  # until all is put: what is there then is not the artist's
+    for name in set(was_driven) - set(driven):
+        scene.driver_remove(f"cycles.{name}")
+    for path, value in kept.items():
+        struct, name = _place(scene, path)
+        value = wanted.get(path, value)
+        if name in driven or not is_free(scene, name):
+            continue
+        if value is None:
+            if struct.is_property_set(name):
+                struct.property_unset(name)
+        elif getattr(struct, name) != value:
+            _put(struct, name, value)
+    for name, otherwise in driven.items():
+        view_layers.drive(scene, name, otherwise)
+    _note(scene, _BEFORE, note | {"driven": " ".join(driven)})
+    _note(scene, _PUT, {path: getattr(*_place(scene, path)) for path in kept})
+
+
+def _note(scene, key: str, values: dict) -> bool:
+    """Keep values in a scene, if they are not kept already; whether they were not."""
+    if key in scene and scene[key].to_dict() == values:
+        return False
+    scene[key] = values
+    return True
 
 
 def compare(scene) -> None:
@@ -61,29 +152,32 @@ def compare(scene) -> None:
     scene.cycles.min_light_bounces, scene.cycles.light_sampling_threshold = scene.cycles.max_bounces, 0.0
 
 
-def stop_noise(scene, count: int) -> None:
-    """Let adaptive sampling stop each of `count` passes where the picture of all is as clean as the artist asked."""
-    own = (getattr(scene.cycles, name) for name in (*_ADAPTIVE, "samples"))
-    for name, value in zip(_ADAPTIVE, sampling.adaptive(*own, count), strict=True):
-        setattr(scene.cycles, name, value)
+def adaptive(scene, count: int) -> tuple[float, int]:
+    """Noise threshold and least samples with which adaptive sampling stops each of `count` passes where the picture of
+    all is as clean as the artist asked."""
+    return sampling.adaptive(*(own_value(scene, name) for name in _ADAPTIVE), scene.cycles.samples, count)
 
 
 def give_back(scene) -> None:
-    """Put the settings back that `keep` noted; does nothing where there are none."""
+    """Put the artist's own settings back; does nothing where there are none noted."""
+    if _SUSPENDED in scene:
+        del scene[_SUSPENDED]
     if _BEFORE not in scene:
         return
-    before = scene[_BEFORE].to_dict()
+    before, kept = scene[_BEFORE].to_dict(), own(scene)
     for name in before["driven"].split():
         scene.driver_remove(f"cycles.{name}")
     if before["driven"] and not before["had_animation"] and not animation.has_any(scene):
         scene.animation_data_clear()
-    for struct, owner, name, _ in reversed(_changed(scene)):
-        value = before.get(f"{owner}.{name}")
+    for path, value in reversed(kept.items()):
+        struct, name = _place(scene, path)
         if value is None:
             struct.property_unset(name)
         else:
             _put(struct, name, value)
-    del scene[_BEFORE]
+    for key in (_BEFORE, _PUT):
+        if key in scene:
+            del scene[key]
 
 
 def is_previewing() -> bool:

@@ -54,7 +54,9 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
 
 
 def _note_members(scene, members: dict) -> None:
-    scene[_MEMBERS] = json.dumps(members, ensure_ascii=False)
+    text = json.dumps(members, ensure_ascii=False)
+    if scene.get(_MEMBERS) != text:
+        scene[_MEMBERS] = text
 
 
 def _follow_renames(settings, before: dict, now: dict) -> None:

@@ -11,8 +11,9 @@ from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination, sampling
 from ...core.picture.mix import Light, Mix
-from ..graph import glass, lights, nodes, sockets, spectra
-from ..host import animation, interruption, inventory
+from ..graph import glass, insertion, lights, nodes, sockets, spectra
+from ..host import interruption, inventory
+from ..host.console import LOG
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
 from . import compositing, content, faults, note, render_settings, rows, surfaces, view_layers
@@ -20,14 +21,18 @@ from .render_settings import SUBSET
 
 __all__ = [
     "SetupError",
+    "convert",
     "follow",
+    "give_illuminants",
     "lighting",
     "matrices_of",
+    "plan_of",
     "relight",
     "remove",
+    "put_passes",
     "sampling_for",
     "set_up",
-    "set_up_afresh",
+    "update",
 ]
 
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
@@ -52,7 +57,7 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     for other in others:
         schema.check(other)
     scenes = [scene, *others]
-    before = {s: (s[properties.MODEL], _plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
+    before = {s: (s[properties.MODEL], plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
     at = scene
     with interruption.held_back() as let_through, mixer.quiet():
         try:
@@ -77,7 +82,7 @@ def set_up(scene, model: FactorModel | None = None) -> None:
             raise SetupError(f"{what}: {error}") from error
 
 
-def _plan_of(scene) -> dict:
+def plan_of(scene) -> dict:
     return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
 
 
@@ -101,64 +106,90 @@ def _give_back(scenes: list, before: dict) -> str:
 
 
 def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
-    """members: what shone in each light group at the set-up before. let_through: called where Ctrl-C may come."""
+    """Bring all that a scene carries in line with the scene and with `model`; what is right stays untouched.
+
+    members: what shone in each light group before. let_through: called where Ctrl-C may come.
+    """
     groups = rows.sync(scene, members)
-    render_settings.keep(scene)
-    scene[properties.MODEL] = json.dumps(model.to_dict())
+    described = json.dumps(model.to_dict())
+    if scene.get(properties.MODEL) != described:
+        scene[properties.MODEL] = described
     schema.note(scene)
     let_through()
     spectra.update_all(model)
     glass.update_all(model)
     let_through()
-    _convert_colours(scene, groups, model)
+    convert(scene, groups, model)
     let_through()
-    view_layers.add(scene, model, groups, _share_samples(scene, model))
+    put_passes(scene, model, groups)
     let_through()
-    compositing.add(scene, groups)
     relight(scene)
     let_through()
 
 
-def _share_samples(scene, model: FactorModel) -> sampling.Sampling:
-    """Choose what Cycles samples in each pass, and have the scene's settings follow the pass that is rendered."""
+def put_passes(scene, model: FactorModel, groups: list[str]) -> None:
+    """Bring coefficient passes, render settings and compositing in line with the scene; none for other engines."""
+    if render_settings.is_suspended(scene):
+        compositing.remove(scene)
+        view_layers.suspend(scene)
+        render_settings.suspend(scene)
+        return
+    compositing.follow_names(scene, view_layers.follow_names(scene))
     chosen = sampling_for(scene, model)
-    render_settings.drive(scene, {name: chosen.otherwise[name] for name in chosen.driven})
-    if scene.relume.split_samples:
-        render_settings.stop_noise(scene, model.passes)
-    return chosen
+    adaptive = render_settings.adaptive(scene, model.passes) if scene.relume.split_samples else None
+    render_settings.patch(scene, {name: chosen.otherwise[name] for name in chosen.driven}, adaptive)
+    view_layers.patch(scene, model, groups, chosen)
+    compositing.patch(scene, groups)
 
 
 def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
     artist's own drivers decide."""
-    settings, cycles = scene.relume, scene.cycles
-    free = {name for name in ("seed", *SUBSET) if not animation.is_animated(scene, f"cycles.{name}")}
+    settings, count = scene.relume, scene.cycles.samples
+    own = {name: render_settings.own_value(scene, name) for name in ("seed", *SUBSET)}
+    free = {name for name in own if render_settings.is_free(scene, name)}
     if settings.split_samples and not settings.same_seed and free.issuperset(SUBSET):
-        first, count = 0, cycles.samples
-        if cycles.use_sample_subset:
-            first = cycles.sample_offset
-            count = min(cycles.sample_subset_length, cycles.samples - first)
+        first = 0
+        if own["use_sample_subset"]:
+            first = own["sample_offset"]
+            count = min(own["sample_subset_length"], count - first)
         return sampling.dealt(sampling.shares(model, settings.lights()), first, count)
-    samples = -(-cycles.samples // model.passes) if settings.split_samples else 0
+    samples = -(-count // model.passes) if settings.split_samples else 0
     if settings.same_seed or "seed" not in free:
         return sampling.same(model.passes, samples)
-    return sampling.independent(model.passes, samples, cycles.seed)
+    return sampling.independent(model.passes, samples, own["seed"])
 
 
-def _convert_colours(scene, groups: list[str], model: FactorModel) -> None:
-    """Colours, lamps and black bodies; the mixer starts with the illuminants that the scene says."""
+def convert(scene, groups: list[str], model: FactorModel) -> None:
+    """Bring colours, lamps and black bodies in line; the mixer starts with the illuminants that the scene says."""
     found = inventory.take(scene)
     about_scene = faults.remarks_on(scene, found)
     lamps, about_lamps = lights.take_colours(found.lights)
     shadings, about_trees = sockets.shadings_of(found)
     shining = lights.Lighting(model, groups, lamps, shadings)
-    about_colours = sockets.convert(shadings, model.channels, shining.convert)
-    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *about_colours])
-    first = {row.name: lights.first_illuminant(shining.temperatures, row.name) for row in scene.relume.lit}
-    fresh = [r for r in scene.relume.lit if not r.is_property_set("illuminant") and first[r.name] != r.illuminant]
-    scene[_GIVEN] = {row.name: first[row.name] for row in fresh}
-    for row in fresh:
-        row["illuminant"] = first[row.name]
+    conversion = sockets.describe(shadings, model.channels, shining.describe)
+    if insertion.patch(conversion):
+        nodes.clear_orphans()
+    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *conversion.remarks])
+    give_illuminants(scene, shining.temperatures)
+
+
+def give_illuminants(scene, temperatures: dict[str, float]) -> None:
+    """Have the rows of the mixer show the black bodies of the scene, but for those in which the artist chose."""
+    before = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
+    given = {}
+    for row in scene.relume.lit:
+        if row.is_property_set("illuminant") and row.illuminant != before.get(row.name):
+            continue
+        first = lights.first_illuminant(temperatures, row.name)
+        if first != row.bl_rna.properties["illuminant"].default:
+            given[row.name] = first
+            if row.illuminant != first:
+                row["illuminant"] = first
+        elif row.is_property_set("illuminant"):
+            row.property_unset("illuminant")
+    if before != given or _GIVEN not in scene:
+        scene[_GIVEN] = given
 
 
 def _take_back_illuminants(scene) -> None:
@@ -176,15 +207,16 @@ def lighting(scene) -> Mix:
     return mixes.of(scene.relume, scene.relume.model())
 
 
-def _write_lighting(scene, mix: Mix) -> None:
-    """Write a mix into the compositor and the preview: numbers only, and only those that changed."""
+def _write_lighting(scene, mix: Mix) -> bool:
+    """Write a mix into the compositor and the preview: numbers only, and only those that changed; whether any did."""
     model = scene.relume.model()
-    compositing.write_matrices(scene, recombination.recombination_matrices(model, mix))
+    changed = compositing.write_matrices(scene, recombination.recombination_matrices(model, mix))
     layers = view_layers.preview_layers(scene)
     if layers:
         shown = recombination.preview(model, mix)
         for layer in layers:
-            view_layers.write_view(layer, shown)
+            changed |= view_layers.write_view(layer, shown)
+    return changed
 
 
 def _draw_swatches(scene, lights: Iterable[Light]) -> None:
@@ -206,13 +238,14 @@ def relight(scene) -> None:
         return
     try:
         chosen = lighting(scene)
-        _write_lighting(scene, chosen)
+        changed = _write_lighting(scene, chosen)
     except RelumeError as error:
-        settings["problem"] = str(error)
+        settings["problem"], changed = str(error), True
     else:
         settings["problem"] = ""
         _draw_swatches(scene, chosen.lights.values())
-    scene.update_tag()
+    if changed:
+        scene.update_tag()
 
 
 def matrices_of(scene, snapshot: dict) -> np.ndarray:
@@ -230,9 +263,20 @@ def follow(scene, said: dict) -> None:
         scene.relume["problem"] = str(error)
 
 
-def set_up_afresh(scene) -> None:
-    """Set a scene up again after its light groups changed: with the model that it has."""
-    chosen = _plan_of(scene)
+def update(scene) -> None:
+    """Bring all that a scene carries in line with the scene, as setting it up again with its model would.
+
+    Changes only what differs. Whatever stops it leaves the scene as it was. Raises SetupError.
+    """
+    faults.check(scene)
+    schema.check(scene)
+    with interruption.held_back(), mixer.quiet():
+        try:
+            _put_in(scene, scene.relume.model(), rows.members_of(scene))
+            return
+        except Exception:
+            LOG.exception("updating scene %r failed: it is set up afresh", scene.name)
+    chosen = plan_of(scene)
     set_up(scene, scene.relume.model())
     scene[properties.PLAN] = chosen
 
@@ -275,7 +319,7 @@ def _take_out(scene) -> None:
             lights.restore(light)
     for tree, owner in sockets.all_trees():
         if tree not in kept_trees:
-            sockets.restore(tree, owner)
+            insertion.restore(tree, owner)
     if others:
         spectra.mend_all(others[0].relume.model())
         glass.mend_all(others[0].relume.model())

@@ -13,11 +13,11 @@ from . import view_layers
 
 __all__ = ["AOV", "add", "ask", "asked", "carried", "cost", "follow", "mirrors", "read", "read_materials", "remove"]
 
-AOV = "Relume Surface"
+AOV = view_layers.SURFACE
 _MAIN = ("Base Color", "Color")
 _ASKED = "relume_surfaces"  # on a scene: that its renders are to carry surfaces
 _DEPTH = 2  # materials that a pixel is made of, as far as a Cryptomatte tells: four numbers
-_OWN = "relume_cryptomatte"  # on a coefficient pass: that its Cryptomatte is ours
+_OWN = "relume_cryptomatte"  # on one of the artist's view layers: that its Cryptomatte is ours
 _FLOATS = 4  # of an AOV, and of a Cryptomatte of two materials
 # Closures that mirror, and what says that they do not; "" where they always do
 _MIRRORS = {
@@ -79,10 +79,12 @@ def _output_of(tree):
 def add(scene) -> list[str]:
     """Let the next render carry surfaces; returns the names of materials that have no colour to carry."""
     without = []
-    for layers in view_layers.pass_layers(scene).values():
+    for source, layers in view_layers.pass_layers(scene).items():
         if not layers[0].use_pass_cryptomatte_material:
-            layers[0][_OWN] = True
-            layers[0].use_pass_cryptomatte_material, layers[0].pass_cryptomatte_depth = True, _DEPTH
+            scene.view_layers[source][_OWN] = True
+            # The first pass shows what the artist's own view layer does
+            for layer in (scene.view_layers[source], layers[0]):
+                layer.use_pass_cryptomatte_material, layer.pass_cryptomatte_depth = True, _DEPTH
         for layer in layers:
             if AOV not in layer.aovs:
                 layer.aovs.add().name = AOV
@@ -137,7 +139,8 @@ def remove(scene):
         if AOV in layer.aovs:
             layer.aovs.remove(layer.aovs[AOV])
         if layer.pop(_OWN, None):
-            layer.use_pass_cryptomatte_material = False
+            for each in (layer, *view_layers.pass_layers(scene).get(layer.name, ())[:1]):
+                each.use_pass_cryptomatte_material = False
     for material in bpy.data.materials:
         if material.node_tree and (output := _output_of(material.node_tree)):
             material.node_tree.nodes.remove(output)

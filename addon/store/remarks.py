@@ -22,7 +22,9 @@ class Remark:
 
 def write(scene, remarks: list[Remark]) -> None:
     """Note the remarks of a scene's set-up, each once."""
-    scene[REMARKS] = json.dumps([astuple(remark) for remark in dict.fromkeys(remarks)], ensure_ascii=False)
+    text = json.dumps([astuple(remark) for remark in dict.fromkeys(remarks)], ensure_ascii=False)
+    if scene.get(REMARKS) != text:
+        scene[REMARKS] = text
 
 
 def of(scene) -> list[Remark]:

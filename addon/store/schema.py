@@ -16,7 +16,8 @@ _VERSION = "relume_version"  # on a scene that is set up
 
 def note(scene) -> None:
     """Note in a scene that what it carries is of this version."""
-    scene[_VERSION] = VERSION
+    if scene.get(_VERSION) != VERSION:
+        scene[_VERSION] = VERSION
 
 
 def check(scene) -> None:

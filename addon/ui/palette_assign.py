@@ -7,7 +7,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
-from ..graph import places, spectra
+from ..graph import nodes, places, spectra
 from ..scene import surfaces
 from ..store import mixer, palette
 from .palette_operators import OfPalette
@@ -45,7 +45,7 @@ def reflectance_of(material):
     tree = spectra.source_of(socket)
     if tree is not None and spectra.SPECTRA in tree:
         return spectra.spectra_of(tree)["Color"]
-    before = spectra.inserted_before(socket)
+    before = nodes.inserted_before(socket)
     value = (before.inputs[0] if before is not None else socket).default_value
     return core.upsampled(tuple(value)[:3], bpy.data.colorspace.working_space, material.name)
 

@@ -39,7 +39,7 @@ def rename_in_blenders_list(scene, before: str, after: str):
 
 def test_a_row_follows_its_group_renamed_in_blenders_list(mixed):
     rename_in_blenders_list(mixed, "tungsten", "warm")
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed) == {"warm": ("HP1", 1.0), "fluorescent": ("FL11", 2.0)}
     assert mixed.relume.white_group == "warm"
     mixed.relume.light_groups["warm"].stops = 3.0
@@ -50,13 +50,13 @@ def test_a_row_follows_its_group_renamed_in_blenders_list(mixed):
 def test_rows_follow_groups_renamed_on_objects(mixed):
     for before, after in (("tungsten", "fluorescent"), ("fluorescent", "tungsten")):
         bpy.data.objects[before].lightgroup = f"{after} of {before}"
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed) == {"fluorescent of tungsten": ("HP1", 1.0), "tungsten of fluorescent": ("FL11", 2.0)}
 
 
 def test_a_row_follows_its_lamps_out_of_any_group(mixed):
     bpy.data.objects["tungsten"].lightgroup = ""
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed) == {"fluorescent": ("FL11", 2.0), coefficients.EVERYTHING_ELSE: ("HP1", 1.0)}
 
 
@@ -65,7 +65,7 @@ def test_a_row_without_lights_stays_and_says_so_and_its_lamps_come_back(mixed, t
     before = composite(mixed, tmp_path / "before.exr")
     mixed.collection.objects.unlink(lamp)
     bpy.context.view_layer.update()
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed) == {"fluorescent": ("FL11", 2.0), "tungsten": ("HP1", 1.0)}
     assert [row.name for row in mixed.relume.lit] == ["fluorescent"]
     assert [remark.why for remark in remarks.of(mixed) if remark.owner == "tungsten"]
@@ -73,7 +73,7 @@ def test_a_row_without_lights_stays_and_says_so_and_its_lamps_come_back(mixed, t
     assert list(image.groups) == ["fluorescent"], "no pass is rendered for it"
     assert len(mixed.relume.lights()) == 1
     mixed.collection.objects.link(lamp)
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed) == {"tungsten": ("HP1", 1.0), "fluorescent": ("FL11", 2.0)}
     assert not remarks.of(mixed) and close(composite(mixed, tmp_path / "after.exr"), before, 0.05)
 
@@ -81,7 +81,7 @@ def test_a_row_without_lights_stays_and_says_so_and_its_lamps_come_back(mixed, t
 def test_a_row_that_is_solo_and_without_lights_leaves_the_others_lit(mixed):
     mixed.relume.light_groups["tungsten"].solo = True
     bpy.data.objects["tungsten"].lightgroup = "fluorescent"
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert [row.name for row in mixed.relume.light_groups] == ["fluorescent", "tungsten"]
     assert [light.gain for light in mixed.relume.lights()] == [4.0]
     assert light_groups.remove_empty(mixed) == ["tungsten"]
@@ -92,9 +92,9 @@ def test_a_group_that_is_split_leaves_its_row(mixed):
     lamp = bpy.data.objects["tungsten"].copy()
     lamp.lightgroup = "tungsten"
     mixed.collection.objects.link(lamp)
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     bpy.data.objects["tungsten"].lightgroup, lamp.lightgroup = "left", "right"
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert rows(mixed)["tungsten"] == ("HP1", 1.0)
     assert {row.name for row in mixed.relume.lit} == {"left", "right", "fluorescent"}
 
@@ -139,7 +139,7 @@ def test_keyframes_and_drivers_stay_with_their_rows(mixed):
 
     assert animated() == values
     bpy.data.objects["tungsten"].lightgroup = "fluorescent"
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     assert animated() == values
     driven = {curve.data_path: curve.driver.expression for curve in mixed.animation_data.drivers}
     assert driven["relume.light_groups[1].temperature"] == "3000", "tungsten is the second row now"
@@ -150,7 +150,7 @@ def test_keyframes_and_drivers_stay_with_their_rows(mixed):
 def test_animation_made_while_a_scene_is_set_up_stays(mixed):
     mixed.relume.light_groups["tungsten"].keyframe_insert("stops", frame=1)
     mixed.keyframe_insert("gravity", frame=1)
-    setup.set_up_afresh(mixed)
+    setup.update(mixed)
     setup.remove(mixed)
     curves = mixed.animation_data.action.layers[0].strips[0].channelbags[0].fcurves
     assert {curve.data_path for curve in curves} == {"gravity", "relume.light_groups[0].stops"}
@@ -159,11 +159,11 @@ def test_animation_made_while_a_scene_is_set_up_stays(mixed):
 def test_a_row_that_is_only_animated_stays(room):
     setup.set_up(room, bases.fitted(3))
     bpy.data.objects["tungsten"].lightgroup = "lamp"
-    setup.set_up_afresh(room)
+    setup.update(room)
     number = room.relume.light_groups.find("lamp")
     room.driver_add(f"relume.light_groups[{number}].stops")
     bpy.data.objects["tungsten"].lightgroup = "fluorescent"
-    setup.set_up_afresh(room)
+    setup.update(room)
     assert "lamp" in room.relume.light_groups
 
 

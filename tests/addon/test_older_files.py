@@ -53,7 +53,7 @@ def test_a_scene_of_0_1_0_is_given_back_as_0_1_0_did(old):
 
 def test_a_scene_of_0_1_0_is_set_up_again(old):
     chosen = mixer.choices(old.relume)
-    setup.set_up_afresh(old)
+    setup.update(old)
     assert mixer.choices(old.relume) == chosen
     assert len(view_layers.pass_layers(old)["ViewLayer"]) == 2 and len(old.relume.lit) == 3
     assert old["relume_version"] == schema.VERSION

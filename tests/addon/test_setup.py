@@ -149,7 +149,7 @@ def test_a_failure_part_way_gives_the_scene_back(startup, monkeypatch):
     def fail(*_):
         raise RuntimeError("part-way")
 
-    monkeypatch.setattr("relume.addon.scene.compositing.add", fail)
+    monkeypatch.setattr("relume.addon.scene.compositing.patch", fail)
     with pytest.raises(RuntimeError, match="part-way"):
         setup.set_up(startup)
     assert differences(before, dump()) == []

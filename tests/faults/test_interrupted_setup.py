@@ -115,7 +115,7 @@ def shared():
     other = room.copy()
     setup.set_up(other, bases.fitted(6))
     other.relume.light_groups[0].stops = 1.0
-    setup.set_up_afresh(other)  # its samples are dealt out for the mixer as it is
+    setup.update(other)  # its samples are dealt out for the mixer as it is
     return room
 
 
@@ -127,7 +127,7 @@ def again():
     scene = coloured()
     setup.set_up(scene, bases.fitted(6))
     scene.relume.light_groups["flame"].stops = -1.0
-    setup.set_up_afresh(scene)
+    setup.update(scene)
     return scene
 
 
