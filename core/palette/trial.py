@@ -60,17 +60,14 @@ class Trial:
         """What was tried on and how far off the picture may be: a line for each."""
         here, there = self.expected[self.covered > WHOLE], self.expected[self.covered < 1.0 - WHOLE]
         said = [f"Tried on: {', '.join(self.worn)}."]
-        for where, values in (("there", here), ("elsewhere", there)):
-            if values.size:
+        for where, values in (("There", here), ("Elsewhere", there)):
+            # Nothing is known of greys: nothing is no small number
+            if values.size and (set(self.grey) != set(self.worn) or np.percentile(values, 90) >= 0.05):
                 middle, tenth = np.median(values), np.percentile(values, 90)
-                said.append(
-                    f"{where.capitalize()} it may be off by ΔE {middle:.1f}, in a tenth by {tenth:.1f} or more."
-                )
+                said.append(f"{where} it may be off by ΔE {middle:.1f}, in a tenth of it by {tenth:.1f} or more.")
         said.append(f"Hatched: by more than {HATCHED:g}. F12 makes it exact.")
         if self.grey:
-            said.append(
-                f"Without what the light of {', '.join(self.grey)} does elsewhere: a grey leaves no mark on it."
-            )
+            said.append(f"Where light of {', '.join(self.grey)} falls is not known: a grey leaves no mark on it.")
         if self.unseen:
             said.append(f"Not seen in the picture: {', '.join(self.unseen)}.")
         return "\n".join(said)

@@ -110,3 +110,20 @@ def test_a_cryptomatte_says_which_material(scene, tmp_path):
     assert not any(layer.use_pass_cryptomatte_material for layer in layers)
     with pytest.raises(CoefficientImageError, match="no Cryptomatte"):
         coefficients.read_materials(tmp_path / "render.exr", "ViewLayer 7")
+
+
+def test_a_set_up_that_follows_the_scene_keeps_them(scene):
+    artists = scene.view_layers[0]
+    surfaces.ask(scene, True)
+    bpy.data.objects["stripe 2"].data.materials[0] = bpy.data.materials.new("new")
+    setup.update(scene)
+    surfaces.follow(scene)
+    first = next(layer for layer in scene.view_layers if layer.use)
+    assert surfaces.carried(scene) and first.use_pass_cryptomatte_material
+    nodes = bpy.data.materials["new"].node_tree.nodes
+    assert [node.aov_name for node in nodes if node.type == "OUTPUT_AOV"] == [surfaces.AOV]
+    surfaces.ask(scene, False)
+    setup.update(scene)
+    assert not surfaces.carried(scene)
+    setup.remove(scene)
+    assert not artists.use_pass_cryptomatte_material and not len(artists.aovs) and artists.use

@@ -49,6 +49,7 @@ def test_light_from_a_grey_is_told_from_other_light_by_nothing():
     done = tried(*scene(met=0.4, paint=grey), Worn("paint", NEW))
     np.testing.assert_allclose(done.groups["lamp"][~TOP], scene(met=0.4, paint=grey)[0][~TOP], rtol=1e-6)
     assert done.grey == ("paint",) and "a grey leaves no mark" in done.words()
+    assert "ΔE" not in done.words(), "what is not known is not small"
     assert tried(*scene(), Worn("paint", NEW)).grey == ()
 
 
