@@ -8,8 +8,13 @@ from contextlib import suppress
 def main(argv: list[str] | None = None):
     """Run a command, that which was typed if none is given, and end the process with its exit status."""
     from . import register
-    from .addon.cli.commands import execute
 
+    try:
+        from .addon.cli.commands import execute
+    except ModuleNotFoundError as error:
+        if error.name != "bpy":
+            raise
+        sys.exit("relume: needs Blender as a Python module: pip install 'relume[blender]', with Python 3.11 or 3.13")
     register()
     status = execute(sys.argv[1:] if argv is None else argv)
     with suppress(OSError):

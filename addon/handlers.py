@@ -1,10 +1,10 @@
-"""What Relume does when Blender changes, renders or saves a scene: the compositor follows an animated mixer."""
+"""What Relume does when Blender changes, renders or saves a scene: what is set up follows the artist."""
 
 import bpy
 from bpy.app.handlers import persistent
 
 from ..core.errors import RelumeError
-from .scene import baking, compositing, light_groups, note, render, setup, view_layers
+from .scene import baking, compositing, follower, light_groups, note, render, setup, view_layers
 from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
@@ -43,6 +43,37 @@ def _frame_changed(scene, depsgraph) -> None:
 @persistent
 def _depsgraph_updated(scene, depsgraph) -> None:
     _follow(scene, depsgraph)
+    if not mixer.is_quiet() and follower.followed() and not _is_playing() and follower.notice(scene, depsgraph):
+        _soon()
+
+
+def _is_playing() -> bool:
+    return any(window.screen.is_animation_playing for window in bpy.context.window_manager.windows)
+
+
+def _soon() -> None:
+    """Follow once the artist pauses. Scripts without a window follow when they render or save."""
+    if not bpy.app.background and not bpy.app.timers.is_registered(follower.tick):
+        bpy.app.timers.register(follower.tick, first_interval=0.25)
+
+
+@persistent
+def _look_again(*_) -> None:
+    """After undo, redo, reading a file and playing, anything may be different."""
+    if follower.forget():
+        _soon()
+
+
+@persistent
+def _settle(*_) -> None:
+    for scene in follower.followed():
+        follower.settle(scene)
+
+
+@persistent
+def _settle_for_render(*_) -> None:
+    for scene in follower.followed():
+        follower.settle(scene, renders=True)
 
 
 @persistent
@@ -86,13 +117,19 @@ def _forget_all(*_) -> None:
 _HANDLERS = (
     ("frame_change_post", _frame_changed),
     ("depsgraph_update_post", _depsgraph_updated),
+    ("undo_post", _look_again),
+    ("redo_post", _look_again),
+    ("animation_playback_post", _look_again),
+    ("render_init", _settle_for_render),
     ("render_init", _bake),
     ("render_init", _note),
     ("render_complete", _forget),
     ("render_cancel", _forget),
+    ("save_pre", _settle),
     ("save_pre", _before_saving),
     ("save_post", _forget_all),
     ("load_post", _forget_all),
+    ("load_post", _look_again),
 )
 _CHANGES = {
     changes.MIX: setup.relight,
@@ -110,6 +147,8 @@ def register() -> None:
 
 
 def unregister() -> None:
+    if bpy.app.timers.is_registered(follower.tick):
+        bpy.app.timers.unregister(follower.tick)
     changes.forget()
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

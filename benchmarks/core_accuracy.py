@@ -17,7 +17,7 @@ from ..core.colour import differences
 from ..core.model import bases, upsample
 from ..core.spectra import files, library
 from ..studies import experiments
-from ..studies.reports import Section, publish, survive_closed_output
+from ..studies.reports import Section, publish, status
 
 # channels: median, 90th, 99th percentile of CIEDE2000; under the CIE illuminants, under lamps never fitted to
 AIMS = {
@@ -122,7 +122,7 @@ def scene_section(reflectances):
         inside = p99(model, own, chosen)
         beyond = p99(model, reflectances, cie, (1,)) / p99(bases.fitted(6), reflectances, cie, (1,))
         rows.append([f"p = 6, {' and '.join(names)}: p99 of its own products, up to 3 bounces", f"{inside:.2f}", "0.5"])
-        rows.append(["   p99 beyond the scene, times that of fitted", f"{beyond:.2f}", "told"])
+        rows.append(["   p99 beyond the scene, times that of fitted", f"{beyond:.2f}", "reported"])
     random = np.random.default_rng(0).random((200, 81))
     for (p, names), lobes in itertools.product(((6, ("D65",)), (12, ("A", "FL11"))), (False, True)):
         chosen = [library.illuminant(name) for name in names]
@@ -131,12 +131,15 @@ def scene_section(reflectances):
         what = f"p = {p}, {' and '.join(names)}{', with lobes' if lobes else ''}"
         lowest = model.filters.min() / model.filters.max()
         rows.append([f"{what}: largest of any reflectance, 1 bounce", f"{largest:.1e}", "1e-6"])
-        rows.append(["   its lowest filter value, as a part of the largest", f"{lowest:.3f}", "told" if lobes else "0"])
-        rows.append(["   p99 of its own products, 2 and 3 bounces", f"{p99(model, own, chosen, (2, 3)):.2f}", "told"])
+        rows.append(
+            ["   its lowest filter value, as a part of the largest", f"{lowest:.3f}", "reported" if lobes else "0"]
+        )
+        rows.append(
+            ["   p99 of its own products, 2 and 3 bounces", f"{p99(model, own, chosen, (2, 3)):.2f}", "reported"]
+        )
     return Section("Scene models", "10 patches of the ColorChecker; CIEDE2000.", ("what", "reached", "aim"), rows)
 
 
-@survive_closed_output
 def main(argv=None):
     """Print the tables -> exit status."""
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.core_accuracy", description=__doc__)
@@ -146,8 +149,7 @@ def main(argv=None):
     spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
     values = np.stack([spectrum.sampled() for spectrum in spectra])
     makers = (lambda: product_section(values), metamer_section, rgb_section, lambda: scene_section(values))
-    publish("core_accuracy", (make() for make in makers), options.out)
-    return 0
+    return status("core_accuracy", lambda: publish("core_accuracy", (make() for make in makers), options.out))
 
 
 if __name__ == "__main__":

@@ -107,7 +107,7 @@ def _extra_memory(groups, matrices):
 
 
 def main():
-    """Print the table; the exit status tells whether every limit holds."""
+    """Print the table; the exit status says whether every limit holds."""
     rows = [*import_rows(), *relight_rows(), *scene_rows(), *recombination_rows()]
     words = f"{os.cpu_count()} cores. A ratio below 1 keeps the limit."
     head = ("what", "measured", "limit", "ratio")

@@ -152,7 +152,7 @@ def _on_this_processor() -> list[str]:
 
 
 def _fastest_first(names: list[str], size: tuple[int, int]) -> list[_Mitsuba]:
-    """Those of some variants that run here, by the seconds that a small render takes once it is compiled; told."""
+    """Those of some variants that run here, by the seconds that a small render takes once it is compiled."""
     found = []
     for name in names:
         try:

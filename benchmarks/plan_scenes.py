@@ -115,14 +115,14 @@ def _measured(image, reference, lights, choices) -> float:
 
 def _judge(number: int, samples: int, tolerance: float) -> dict:
     scene = build(number)
-    told = content.content_of(scene)
-    found = plan.choose(told, tolerance)
+    contents = content.content_of(scene)
+    found = plan.choose(contents, tolerance)
     reference = _rendered(scene, bases.bands(), samples)
     lights = {row.name: row.light() for row in scene.relume.light_groups}
-    measured = _measured(_rendered(scene, found.model, samples), reference, lights, told.choices)
+    measured = _measured(_rendered(scene, found.model, samples), reference, lights, contents.choices)
     cheaper = [c for c in found.rejected if c.model.passes == found.passes - 1]
     less = min(cheaper, key=lambda candidate: candidate.error) if cheaper else None
-    below = _measured(_rendered(scene, less.model, samples), reference, lights, told.choices) if less else None
+    below = _measured(_rendered(scene, less.model, samples), reference, lights, contents.choices) if less else None
     return {
         "scene": number,
         "model": found.chosen.words,

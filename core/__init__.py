@@ -29,6 +29,7 @@ __all__ = [
     "fresnel",
     "library",
     "measure",
+    "palette",
     "plan",
     "recombination",
     "spaces",

@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["Panel", "available", "curves", "delta_e_maps", "error_over_time", "picture_row"]
+    from ..core.palette import Entry, Palette, Report
+
+__all__ = ["Panel", "available", "curves", "delta_e_maps", "design_matrix", "error_over_time", "picture_row"]
 
 _INCHES = 4.0  # width of one picture on the page
 _DPI = 120
@@ -133,6 +135,49 @@ def curves(path: Path, panels: Sequence[Panel], columns: int = 0) -> None:
         axis.remove()
     if named:
         figure.legend(named.values(), named.keys(), loc="outside lower center", ncols=6, fontsize=9)
+    figure.savefig(path)
+
+
+def design_matrix(path: Path, palette: "Palette", report: "Report") -> None:
+    """Draw the colours of a design: on the left of each patch what is wanted, on its right full spectra over the model.
+
+    What is wanted is the target, or what a free colour came to. The margins show lights on white and reflectances
+    under flat light.
+    """
+    from matplotlib.patches import Rectangle
+
+    from ..core.palette import matrix_colours
+
+    wanted, full, model, lights, reflectances = matrix_colours(palette)
+    errors = {(cell.reflectance, cell.light): cell.error for cell in report.cells}
+    free = {(cell.reflectance, cell.light): cell.free for cell in palette.cells}
+    rows, columns = full.shape[:2]
+    figure, (axis,) = _page(1, 1, (1.15 * columns + 2.55, 1.15 * rows + 1.45))
+
+    def patch(corner: tuple[float, float], width: float, height: float, colour: NDArray) -> None:
+        axis.add_patch(Rectangle(corner, width, height, facecolor=colour, edgecolor="0.8", linewidth=0.4))
+
+    def name(entry: "Entry") -> str:
+        return f"{entry.name} *" if entry.designed else entry.name
+
+    for column, entry in enumerate(palette.lights):
+        patch((column, -0.55), 0.94, 0.42, lights[column])
+        axis.text(column + 0.47, -0.62, name(entry), ha="center", va="bottom", fontsize=9)
+    for row, entry in enumerate(palette.reflectances):
+        patch((-0.55, row), 0.42, 0.94, reflectances[row])
+        axis.text(-0.62, row + 0.47, name(entry), ha="right", va="center", fontsize=9)
+    for row, column in np.ndindex(rows, columns):
+        here, target = (row, column), wanted[row, column]
+        patch((column, row), 0.47, 0.94, full[here] if np.isnan(target).any() else target)
+        patch((column + 0.47, row), 0.47, 0.47, full[here])
+        patch((column + 0.47, row + 0.47), 0.47, 0.47, model[here])
+        if here in free:
+            axis.add_patch(Rectangle((column, row), 0.94, 0.94, fill=False, edgecolor="0.25", linewidth=1.0))
+            words = free[here] or (f"{errors[here]:.1f}" if here in errors else "")
+            ink = "white" if full[here] @ (0.2126, 0.7152, 0.0722) < 0.5 else "black"
+            axis.text(column + 0.06, row + 0.86, words, fontsize=8, color=ink)
+    axis.set(xlim=(-1.6, columns), ylim=(rows, -0.95), aspect="equal")
+    axis.set_axis_off()
     figure.savefig(path)
 
 

@@ -7,16 +7,14 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import wraps
 from pathlib import Path
-from typing import Any
 
 from ..core import results
 from ..core.errors import RelumeError
 from ..core.spectra import files, library
 from ..core.spectra.spectrum import Spectrum
 
-__all__ = ["Section", "publish", "run", "survive_closed_output"]
+__all__ = ["Section", "publish", "run", "status"]
 
 
 @dataclass(frozen=True)
@@ -57,22 +55,24 @@ def publish(title: str, sections: Iterable[Section], out: Path | None = None) ->
     return done
 
 
-def survive_closed_output(command: Callable[..., int]) -> Callable[..., int]:
-    """Decorate a command: when what reads its output goes away, as `head` does, it ends without a word."""
+def status(title: str, make: Callable[[], object]) -> int:
+    """Make what the command `relume <title>` makes -> its exit status; what goes wrong is printed as a sentence.
 
-    @wraps(command)
-    def wrapped(*arguments: Any) -> int:
-        try:
-            return command(*arguments)
-        except BrokenPipeError:
-            # Python flushes the standard output at exit, which would fail again.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return 1
+    When what reads its output goes away, as `head` does, it ends without a word.
+    """
+    try:
+        make()
+        return 0
+    except BrokenPipeError:
+        # Python flushes the standard output at exit, which would fail again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except ImportError as error:
+        print(f"relume {title}: no pictures without {error.name}", file=sys.stderr)
+    except (OSError, RelumeError) as error:
+        print(f"relume {title}: {error}", file=sys.stderr)
+    return 1
 
-    return wrapped
 
-
-@survive_closed_output
 def run(
     title: str,
     description: str,
@@ -89,19 +89,13 @@ def run(
     parser.add_argument("--reflectances", type=Path, metavar="CSV", help=f"{use}; default: the CES")
     parser.add_argument("--out", type=Path, metavar="DIR", help="write Markdown, CSV and PNG files there too")
     options = parser.parse_args(argv)
-    try:
+
+    def make() -> None:
         spectra = files.read(options.reflectances) if options.reflectances else library.reflectances("ces")
         source = options.reflectances.name if options.reflectances else "the CES (CIE 224)"
         done = publish(title, sections(spectra, source), options.out)
         if options.out:
             draw(done, spectra, options.out)
             print(f"written to {options.out}")
-    except ImportError as error:
-        print(f"relume {title}: no pictures without {error.name}", file=sys.stderr)
-        return 1
-    except BrokenPipeError:
-        raise
-    except (OSError, RelumeError) as error:
-        print(f"relume {title}: {error}", file=sys.stderr)
-        return 1
-    return 0
+
+    return status(title, make)

@@ -33,6 +33,19 @@ def test_the_package_and_the_extension_have_one_version():
     assert done.stdout.split()[-1] == extension["version"]
 
 
+def test_the_command_without_blender_says_what_to_install():
+    code = "import sys; sys.modules['bpy'] = None; from relume.__main__ import main; main(['--help'])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr.count("\n") == 1 and "pip install 'relume[blender]'" in done.stderr
+
+
+def test_the_core_gives_the_names_of_the_first_version():
+    names = "WAVELENGTHS FactorModel Spectrum SpectrumError bases files fresnel library measure palette plan upsample"
+    given: dict = {}
+    exec("from relume.core import *", given)
+    assert given.keys() >= set(names.split())
+
+
 IMPORT_ALL = """
 import importlib, os, pkgutil
 import relume.assets, relume.benchmarks

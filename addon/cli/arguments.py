@@ -8,9 +8,8 @@ from ...core.errors import UsageError
 from ...core.picture.mix import GAINS
 from ...core.spectra.spectrum import WAVELENGTHS
 from ..store import properties
-from . import web
 
-__all__ = ["REPORTS", "number", "parse"]
+__all__ = ["QUALITIES", "REPORTS", "SIZES", "number", "parse"]
 
 # Commands of the core, which read their own arguments.
 REPORTS = {
@@ -22,6 +21,8 @@ REPORTS = {
 FRAMES = (-1048574, 1048574)  # Blender's
 SAMPLES = (1, 1 << 24)  # of Cycles
 PERCENT = (1, 32767)  # of Blender's resolution
+SIZES = (16, 8192)  # pixels of the longer side of a web page's pictures
+QUALITIES = (0.1, 20.0)  # ΔE of a web page
 
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
 _CHANNELS = [name for name, _, _ in properties.CHANNELS]
@@ -104,7 +105,18 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     _add_scene(describe, in_blender)
     _add_out(describe, "FILE.json", "default: SCENE.relume.json in this folder; put it beside the EXRs")
 
-    web.add_command(commands, _path, _add_out)
+    web = commands.add_parser("web", help="a web page of a coefficient EXR, in which anyone can choose the light")
+    words = "a file, a sequence such as shot.####.exr, or a folder of files"
+    web.add_argument("coefficients", metavar="COEFFICIENTS.exr|FOLDER", type=_path, help=words)
+    words = "illuminants to choose from; default: all"
+    web.add_argument("--lamps", metavar="NAME", nargs="+", action="extend", default=[], help=words)
+    words = "the longer side at most; default: 1920"
+    web.add_argument("--size", type=_size, metavar="PIXELS", default=1920, help=words)
+    words = "what 98 %% of the picture keeps to under all lamps, against `relume relight`; default: 1"
+    web.add_argument("--quality", type=_quality, metavar="ΔE", default=1.0, help=words)
+    web.add_argument("--title", metavar="TEXT", default="", help="default: the names of the files")
+    web.add_argument("--bare", action="store_true", help="the picture alone, to embed in another page")
+    _add_out(web, "PAGE.html", "the page", required=True)
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     _add_out(demo, "DIR", "folder for the results", default="out/demo")
@@ -138,7 +150,7 @@ def number(text: str, low: float, high: float) -> float:
     """A plain decimal number of a range. Raises UsageError, which says the range."""
     value = float(text) if _NUMBER.fullmatch(text) else float("nan")
     if not low <= value <= high:
-        raise UsageError(f"{text!r} is not a number from {low:.0f} to {high:.0f}")
+        raise UsageError(f"{text!r} is not a number from {low:.7g} to {high:.7g}")
     return value
 
 
@@ -155,8 +167,8 @@ def _whole(text: str, low: int, high: int) -> int:
     return value
 
 
-_samples, _percent, _channels, _frame = (
-    partial(_whole, low=low, high=high) for low, high in (SAMPLES, PERCENT, (1, WAVELENGTHS.size), FRAMES)
+_samples, _percent, _channels, _frame, _size = (
+    partial(_whole, low=low, high=high) for low, high in (SAMPLES, PERCENT, (1, WAVELENGTHS.size), FRAMES, SIZES)
 )
 
 
@@ -177,6 +189,13 @@ def _white(text: str) -> float:
         return number(text, 0, 1) if degree is None else degree
     except UsageError as error:
         raise argparse.ArgumentTypeError(f"{text} is not none, full or a number from 0 to 1") from error
+
+
+def _quality(text: str) -> float:
+    try:
+        return number(text, *QUALITIES)
+    except UsageError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def _path(text: str) -> str:

@@ -46,7 +46,9 @@ def _fill(tree, model: FactorModel | None) -> None:
     """Build the group for a model's channels, or for red, green and blue."""
     index = spectra_of(tree)["IOR"]
     plain = spaces.display_primaries(index)
-    tree[_UNFINISHED], tree[FILLED] = True, ""
+    tree[_UNFINISHED] = True
+    if FILLED in tree:
+        del tree[FILLED]
     tree.nodes.clear()
     source, output = nodes.add(tree, "NodeGroupInput", 0, 3), nodes.add(tree, "NodeGroupOutput", 6)
     shares = [None] if model is None else model.shares(index)
@@ -72,7 +74,8 @@ def _fill(tree, model: FactorModel | None) -> None:
                     tree.links.new(source.outputs[name], closure.inputs[name])
             total = closure.outputs[0] if total is None else _sum(tree, 5, row, total, closure.outputs[0])
     tree.links.new(total, output.inputs["BSDF"])
-    tree[FILLED] = filled_for(tree, model)
+    if model is not None:
+        tree[FILLED] = filled_for(tree, model)
     del tree[_UNFINISHED]
 
 

@@ -38,6 +38,7 @@ __all__ = [
     "write_recombination",
 ]
 
+_COEFFICIENTS = "relume_coefficients"  # on an emitter group: what it is filled with
 _LIGHT = "relume_light"  # on a Light group: the number of its light group
 
 
@@ -58,13 +59,16 @@ def view_group(channels: int):
         return tree
     tree["relume_channels"] = channels
     tree.nodes.clear()
-    tree.interface.clear()
     output = nodes.add(tree, "NodeGroupOutput", 2)
     names = ["relume_on", *(f"relume_b{i}" for i in range(3)), *(f"relume_w{i}" for i in range(channels))]
-    for row, name in enumerate(names):
-        nodes.add_socket(tree, name.removeprefix("relume_").upper(), "Vector" if row else "Float", output=True)
+    sockets = [name.removeprefix("relume_").upper() for name in names]
+    for item in [item for item in tree.interface.items_tree if item.name not in sockets]:
+        tree.interface.remove(item)
+    for row, (name, socket) in enumerate(zip(names, sockets, strict=True)):
+        if socket not in tree.interface.items_tree:
+            nodes.add_socket(tree, socket, "Vector" if row else "Float", output=True)
         attribute = nodes.add(tree, "ShaderNodeAttribute", 0, row, attribute_type="VIEW_LAYER", attribute_name=name)
-        tree.links.new(attribute.outputs["Vector" if row else "Factor"], output.inputs[row])
+        tree.links.new(attribute.outputs["Vector" if row else "Factor"], output.inputs[socket])
     return tree
 
 
@@ -165,10 +169,13 @@ def _product(tree, column: int, row: int, a, b):
 def emitter_group(name: str, coefficients: np.ndarray):
     """The shared *emitter* group of that name: an RGB colour in, which shows where no W is set, `W @ c` out."""
     tree, new = _shared_tree(name, "emitter")
-    if not new:
+    if new:
+        nodes.add_socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
+        nodes.add_socket(tree, "Color", "Color", output=True)
+    elif list(tree.get(_COEFFICIENTS, ())) == coefficients.tolist():
         return tree
-    nodes.add_socket(tree, "Color", "Color", output=False, default=(1.0, 1.0, 1.0, 1.0))
-    nodes.add_socket(tree, "Color", "Color", output=True)
+    tree[_COEFFICIENTS] = coefficients.tolist()
+    tree.nodes.clear()
     channels = len(coefficients)
     source = nodes.add(tree, "NodeGroupInput", 0, 1)
     view = add_view(tree, channels)

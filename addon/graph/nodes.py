@@ -15,12 +15,14 @@ __all__ = [
     "add_socket",
     "choose",
     "clear_orphans",
+    "delete",
     "holder",
     "insert",
     "inserted_before",
     "mixed",
     "multiply_add",
     "new_tree",
+    "orphans_stay",
     "role",
     "take_out",
     "unplugged",
@@ -30,6 +32,7 @@ __all__ = [
 ROLE = "relume_role"
 INSERTED = frozenset({"upsample", "light", "emitter"})  # roles of the groups that `insert` puts in front of sockets
 _KEPT = "relume_kept"  # on an inserted node: its value is not the artist's, and goes nowhere
+_staying = 0
 _STEP = 180  # editor units between columns of nodes
 
 
@@ -181,4 +184,21 @@ def clear_orphans() -> None:
     for role_name in roles:
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:
-                bpy.data.node_groups.remove(tree)
+                delete(tree)
+
+
+def delete(tree) -> None:
+    """Delete a node group that nothing uses; while `orphans_stay`, later."""
+    if not _staying:
+        bpy.data.node_groups.remove(tree)
+
+
+@contextmanager
+def orphans_stay() -> Iterator[None]:
+    """While it is entered no data-block is deleted: Blender, which begins to render, would still look at it and end."""
+    global _staying
+    _staying += 1
+    try:
+        yield
+    finally:
+        _staying -= 1

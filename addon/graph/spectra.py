@@ -262,10 +262,8 @@ def update_all(model: FactorModel) -> None:
             _fill(tree, model)
 
 
-def filled_for(tree, model: FactorModel | None) -> str:
-    """What a group with spectra notes as `FILLED` once it is filled for a model; "" for none."""
-    if model is None:
-        return ""
+def filled_for(tree, model: FactorModel) -> str:
+    """What a group with spectra notes as `FILLED` once it is filled for a model."""
     held = json.dumps([tree[SPECTRA].to_dict(), model.to_dict()])
     return hashlib.sha256(held.encode()).hexdigest()[:16]
 

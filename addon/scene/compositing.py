@@ -56,7 +56,7 @@ def patch(scene, groups: list[str]) -> bool:
     """
     if _is_right(scene, groups):
         return False
-    remove(scene)
+    _take_out_all(scene)
     layers = view_layers.pass_layers(scene)
     if scene.compositing_node_group is None:
         scene.compositing_node_group = _new_tree(next(iter(layers)))
@@ -67,7 +67,6 @@ def patch(scene, groups: list[str]) -> bool:
             group = node_groups.recombination_group(f"Relume Recombination {source}", groups, len(copies))
             for node in shown:
                 _feed(tree, node, group, copies, groups)
-    nodes.clear_orphans()
     scene[_WIRING] = _wiring(scene, groups)
     return True
 
@@ -243,6 +242,16 @@ def _users(picture):
 
 def remove(scene) -> None:
     """Give the compositing back as it was."""
+    _take_out_all(scene)
+    tree = scene.compositing_node_group
+    if tree is not None and tree.get(nodes.ROLE) == "compositing":
+        scene.compositing_node_group = None
+        if tree.users == 0:
+            nodes.delete(tree)
+
+
+def _take_out_all(scene) -> None:
+    """Take what was added out of a scene's compositing."""
     tree = scene.compositing_node_group
     if _WIRING in scene:
         del scene[_WIRING]
@@ -259,10 +268,6 @@ def remove(scene) -> None:
         if node[_SOURCE] in names:
             node.layer = names[node[_SOURCE]]
         del node[_SOURCE]
-    if tree.get(nodes.ROLE) == "compositing":
-        scene.compositing_node_group = None
-        if tree.users == 0:
-            bpy.data.node_groups.remove(tree)
 
 
 def _take_out(tree, first, recombination) -> None:

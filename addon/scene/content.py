@@ -1,5 +1,6 @@
 """What a scene shows and how it is lit, as `core.plan` needs it."""
 
+import hashlib
 from collections import Counter
 
 import bpy
@@ -11,7 +12,7 @@ from ..graph import glass, lights, sockets
 from ..graph.sources import is_grey, sources_of
 from ..host import inventory
 
-__all__ = ["content_of"]
+__all__ = ["checksum", "content_of"]
 
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
@@ -52,6 +53,15 @@ def content_of(scene) -> plan.Content:
         space=bpy.data.colorspace.working_space,
         disperses=any(glass.disperses(node) for shading in shadings for node in shading.tree.nodes),
     )
+
+
+def checksum(content: plan.Content) -> str:
+    """A checksum of all that a plan depends on."""
+    spectra = [*content.reflectances, *content.lights, *content.choices]
+    said = [spectrum.name.encode() + spectrum.values.tobytes() for spectrum in spectra]
+    said += [content.colours.tobytes(), content.shares.tobytes()]
+    said += [repr((content.textures, content.bounces, content.space, content.disperses)).encode()]
+    return hashlib.sha256(b"|".join(said)).hexdigest()[:16]
 
 
 def _parts(scene, found: inventory.Inventory, lamps: dict, kelvin: dict):

@@ -17,7 +17,7 @@ from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import Light
 from ..host import console
 from ..host.blend_file import first_line
-from . import setup, surfaces, view_layers
+from . import follower, setup, surfaces, view_layers
 
 __all__ = ["FORMATS", "RenderError", "Rendered", "check_view", "described", "picture", "render", "save_picture"]
 
@@ -48,13 +48,16 @@ def render(
     """
     if scene.render.use_multiview:
         raise RenderError(f"scene {scene.name!r} renders several views (stereoscopy): switch that off, one is kept")
+    follower.settle(scene)
+    if not view_layers.pass_layers(scene):
+        raise RenderError(f"scene {scene.name!r} is rendered with {scene.render.engine}: spectral passes need Cycles")
     layers = next(iter(view_layers.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
     groups = [row.name for row in scene.relume.lit]
     said = described(scene)  # and what is wrong with it, before it takes long
     with results.scratch(folder) as temporary:
         path = temporary.absolute() / "passes.exr"
-        with _Progress(progress), _storing_guides(layers if guides else ()):
+        with follower.held(), _Progress(progress), _storing_guides(layers if guides else ()):
             _render_to(scene, path)
         try:
             found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))

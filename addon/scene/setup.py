@@ -1,7 +1,8 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -11,22 +12,22 @@ from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination, sampling
 from ...core.picture.mix import Light, Mix
+from ...core.spectra import library
 from ..graph import glass, insertion, lights, nodes, sockets, spectra
-from ..host import interruption, inventory
-from ..host.console import LOG
+from ..host import interruption
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
-from . import compositing, content, faults, note, render_settings, rows, surfaces, view_layers
+from . import compositing, content, faults, note, render_settings, rows, shading, surfaces, view_layers
 from .render_settings import SUBSET
 
 __all__ = [
     "SetupError",
-    "convert",
+    "bring_in_line",
     "follow",
-    "give_illuminants",
     "lighting",
     "matrices_of",
     "plan_of",
+    "planned",
     "relight",
     "remove",
     "put_passes",
@@ -35,6 +36,7 @@ __all__ = [
     "update",
 ]
 
+_LEAST = 3  # channels: one pass as well, and what is grey today may have a colour tomorrow
 _GIVEN = "relume_given"  # illuminants that set-up itself put into the mixer, by light group
 
 
@@ -48,12 +50,13 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
-        found = plan.choose(content.content_of(scene), scene.relume.tolerance)
-        model, chosen["reason"] = found.model, found.reason
+        shows = content.content_of(scene)
+        found = planned(scene, shows)
+        model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
     model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
-    others = [s for s in bpy.data.scenes if s != scene and s.relume.shades and s[properties.MODEL] != described]
+    others = _others_without(scene, described)
     for other in others:
         schema.check(other)
     scenes = [scene, *others]
@@ -82,6 +85,12 @@ def set_up(scene, model: FactorModel | None = None) -> None:
             raise SetupError(f"{what}: {error}") from error
 
 
+def planned(scene, shows: plan.Content) -> plan.Plan:
+    """The plan for what a scene shows, with the channels in their order."""
+    found = plan.choose(shows, scene.relume.tolerance, _LEAST)
+    return replace(found, chosen=replace(found.chosen, model=channel_order.balanced(found.model)))
+
+
 def plan_of(scene) -> dict:
     return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
 
@@ -106,25 +115,39 @@ def _give_back(scenes: list, before: dict) -> str:
 
 
 def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
+    """Bring all that a scene carries in line. let_through: called where Ctrl-C may come."""
+    for _ in bring_in_line(scene, model, members):
+        let_through()
+
+
+def bring_in_line(
+    scene, model: FactorModel, members: dict, gentle: bool = False
+) -> Generator[None, None, shading.Shown]:
     """Bring all that a scene carries in line with the scene and with `model`; what is right stays untouched.
 
-    members: what shone in each light group before. let_through: called where Ctrl-C may come.
+    A generator that yields where there may be a pause, and returns what the scene shows. members: what shone in each
+    light group before. gentle: an artist is at work, as in `insertion.patch`.
     """
     groups = rows.sync(scene, members)
     described = json.dumps(model.to_dict())
     if scene.get(properties.MODEL) != described:
         scene[properties.MODEL] = described
     schema.note(scene)
-    let_through()
+    yield
     spectra.update_all(model)
     glass.update_all(model)
-    let_through()
-    convert(scene, groups, model)
-    let_through()
+    yield
+    shown = shading.look(scene, model, groups)
+    yield
+    for _ in shown.patch_all(gentle):
+        yield
+    shown.note_remarks(scene)
+    _give_illuminants(scene, shown.lighting.temperatures)
     put_passes(scene, model, groups)
-    let_through()
+    yield
     relight(scene)
-    let_through()
+    yield
+    return shown
 
 
 def put_passes(scene, model: FactorModel, groups: list[str]) -> None:
@@ -153,28 +176,16 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
         if own["use_sample_subset"]:
             first = own["sample_offset"]
             count = min(own["sample_subset_length"], count - first)
-        return sampling.dealt(sampling.shares(model, settings.lights()), first, count)
+        # By usual lights, not by those of the mixer: what is chosen there leaves the noise of the next render as it is
+        lights_ = [Light(library.illuminant(name)) for name in channel_order.LIGHTS]
+        return sampling.dealt(sampling.shares(model, lights_), first, count)
     samples = -(-count // model.passes) if settings.split_samples else 0
     if settings.same_seed or "seed" not in free:
         return sampling.same(model.passes, samples)
     return sampling.independent(model.passes, samples, own["seed"])
 
 
-def convert(scene, groups: list[str], model: FactorModel) -> None:
-    """Bring colours, lamps and black bodies in line; the mixer starts with the illuminants that the scene says."""
-    found = inventory.take(scene)
-    about_scene = faults.remarks_on(scene, found)
-    lamps, about_lamps = lights.take_colours(found.lights)
-    shadings, about_trees = sockets.shadings_of(found)
-    shining = lights.Lighting(model, groups, lamps, shadings)
-    conversion = sockets.describe(shadings, model.channels, shining.describe)
-    if insertion.patch(conversion):
-        nodes.clear_orphans()
-    remarks.write(scene, [*about_scene, *about_trees, *about_lamps, *conversion.remarks])
-    give_illuminants(scene, shining.temperatures)
-
-
-def give_illuminants(scene, temperatures: dict[str, float]) -> None:
+def _give_illuminants(scene, temperatures: dict[str, float]) -> None:
     """Have the rows of the mixer show the black bodies of the scene, but for those in which the artist chose."""
     before = scene[_GIVEN].to_dict() if _GIVEN in scene else {}
     given = {}
@@ -263,22 +274,23 @@ def follow(scene, said: dict) -> None:
         scene.relume["problem"] = str(error)
 
 
-def update(scene) -> None:
-    """Bring all that a scene carries in line with the scene, as setting it up again with its model would.
+def update(scene, model: FactorModel | None = None) -> None:
+    """Bring all that a scene carries in line with the scene, as setting it up afresh would. Changes only what differs.
 
-    Changes only what differs. Whatever stops it leaves the scene as it was. Raises SetupError.
+    model: another one than it has; the other scenes of the file, which share it, get it too. Raises SetupError.
     """
     faults.check(scene)
     schema.check(scene)
+    model = model or scene.relume.model()
     with interruption.held_back(), mixer.quiet():
-        try:
-            _put_in(scene, scene.relume.model(), rows.members_of(scene))
-            return
-        except Exception:
-            LOG.exception("updating scene %r failed: it is set up afresh", scene.name)
-    chosen = plan_of(scene)
-    set_up(scene, scene.relume.model())
-    scene[properties.PLAN] = chosen
+        for each in [scene, *_others_without(scene, json.dumps(model.to_dict()))]:
+            _put_in(each, model, rows.members_of(each))
+    nodes.clear_orphans()
+
+
+def _others_without(scene, described: str) -> list:
+    """The other scenes of the file that are set up, but for another model than that described."""
+    return [s for s in bpy.data.scenes if s != scene and s.relume.shades and s[properties.MODEL] != described]
 
 
 def remove(scene) -> None:

@@ -4,7 +4,7 @@ The names of properties are stored in files and in animations: do not rename the
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 
@@ -32,6 +32,7 @@ __all__ = [
     "is_touched",
     "mix_changed",
     "quiet",
+    "reading",
     "spectrum_of",
 ]
 
@@ -47,14 +48,8 @@ SOURCES = [
 # What a row says about its light, and what the scene says about all of them: all that a snapshot keeps
 _ROW = ("source", "illuminant", "temperature", "cct", "path", "measured", "stops", "solo", "mute")
 BALANCE = (
-    "white_balance",
-    "white_balance_method",
-    "white_source",
-    "white_group",
-    "white_pixel",
-    "observer",
-    "observer_path",
-    "observer_measured",
+    *("white_balance", "white_balance_method", "white_source", "white_group", "white_pixel"),
+    *("observer", "observer_path", "observer_measured"),
 )
 
 _quiet = 0
@@ -95,17 +90,23 @@ def part_spectrum(name: str, measured: str = "") -> Spectrum:
     return stored_spectrum(measured) if measured else library.illuminant(name)
 
 
-def _file_chosen(self, context):
-    """Read the file of a row; what cannot be used is told, and the row keeps the spectrum that it has."""
-    if _quiet or not self.path:
-        return
-    try:
-        found = files.illuminant(bpy.path.abspath(self.path))
-    except RelumeError as error:
-        self.id_data.relume.problem = str(error)
-        return
-    self["measured"] = json.dumps(found.to_dict())
-    mix_changed(self, context)
+def reading(read: Callable[[str], dict | list], path: str, kept: str) -> Callable:
+    """Update of the property `path`: what is read of that file becomes `kept`, as JSON.
+
+    A file that cannot be used leaves that as it is, and the panel says why.
+    """
+
+    def chosen(self, context) -> None:
+        if _quiet or not getattr(self, path):
+            return
+        try:
+            self[kept] = json.dumps(read(bpy.path.abspath(getattr(self, path))))
+        except RelumeError as error:
+            self.id_data.relume.problem = str(error)
+        else:
+            mix_changed(self, context)
+
+    return chosen
 
 
 def _source_chosen(self, context) -> None:
@@ -196,7 +197,7 @@ class LightGroup(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and power. The spectrum is kept in the scene",
         subtype="FILE_PATH",
-        update=_file_chosen,
+        update=reading(lambda path: files.illuminant(path).to_dict(), "path", "measured"),
     )
     measured: StringProperty(name="Spectrum of the File", options={"HIDDEN"})
     blend: CollectionProperty(type=BlendPart)
@@ -281,7 +282,8 @@ def is_touched(row) -> bool:
 
 def choice(row) -> dict:
     """All that a row of the mixer says, as a snapshot keeps it."""
-    return {name: getattr(row, name) for name in _ROW} | {"blend": _blend(row)}
+    blend = [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
+    return {name: getattr(row, name) for name in _ROW} | {"blend": blend}
 
 
 def choices(settings) -> dict:
@@ -305,10 +307,6 @@ def spectrum_of(said: dict) -> Spectrum:
         return mixing.blend(tuple((part_spectrum(name, *measured), weight) for name, weight, *measured in parts))
     named = {"PLANCKIAN": f"Planckian {said['temperature']:.0f} K", "DAYLIGHT": f"D {said['cct']:.0f} K"}
     return library.illuminant(named.get(said["source"], said["illuminant"]))
-
-
-def _blend(row) -> list:
-    return [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
 
 
 def apply(settings, chosen: dict) -> list[str]:

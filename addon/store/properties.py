@@ -13,7 +13,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.spectra import files
 from . import changes, mixes
 from .mixer import CLASSES as MIXER_CLASSES
-from .mixer import LightGroup, Snapshot, is_quiet, mix_changed
+from .mixer import LightGroup, Snapshot, mix_changed, reading
 from .mixes import FILE
 
 __all__ = ["AUTO", "CHANNELS", "CLASSES", "LightGroup", "model_for", "register", "unregister"]
@@ -65,17 +65,8 @@ def _model_from(text: str) -> FactorModel:
     return FactorModel.from_dict(json.loads(text))
 
 
-def _observer_chosen(self, context) -> None:
-    """Read the file of an observer; one that cannot be used is reported, and the observer read before stays."""
-    if is_quiet() or not self.observer_path:
-        return
-    try:
-        found = files.observer(bpy.path.abspath(self.observer_path))
-    except RelumeError as error:
-        self.problem = str(error)
-        return
-    self["observer_measured"] = json.dumps([spectrum.to_dict() for spectrum in found])
-    mix_changed(self, context)
+def _observer(path: str) -> list[dict]:
+    return [spectrum.to_dict() for spectrum in files.observer(path)]
 
 
 def _wiped(self, context) -> None:
@@ -170,7 +161,7 @@ class SceneSettings(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and three sensitivities, in columns. They are kept in the scene",
         subtype="FILE_PATH",
-        update=_observer_chosen,
+        update=reading(_observer, "observer_path", "observer_measured"),
     )
     observer_measured: StringProperty(options={"HIDDEN"})
     snapshots: CollectionProperty(type=Snapshot)

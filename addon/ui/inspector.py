@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from bpy.types import Operator
+from bpy.types import Area, Operator
 
 from ...core.errors import RelumeError
 from ...core.picture import coefficients, inspection
@@ -17,6 +17,7 @@ from ...core.picture.coefficients import CoefficientImageError
 from ..scene import surfaces, view_layers
 from ..store import mixes
 from . import overlay, palette_assign
+from .mixer_operators import NeedsSetUp
 
 __all__ = ["CLASSES", "Picking", "Surfaces", "coefficients_of", "saved_render", "seen_by"]
 
@@ -89,23 +90,31 @@ def saved_render(context) -> Iterator[Path]:
         yield path
 
 
-class Picking:
+def picture_editor(context) -> Area | None:
+    """An Image Editor of this window that shows a render."""
+    for area in context.screen.areas if context.screen else ():
+        image = area.spaces.active.image if area.type == "IMAGE_EDITOR" else None
+        if image is not None and image.type == "RENDER_RESULT":
+            return area
+    return None
+
+
+class Picking(NeedsSetUp):
     """A modal operator in the Image Editor that knows the coefficients under the cursor."""
 
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
     @classmethod
     def poll(cls, context) -> bool:
-        if not context.scene.relume.is_set_up:
-            cls.poll_message_set("this scene is not set up for spectral rendering")
+        if not super().poll(context):
             return False
-        if not any(_shows_picture(area) for area in context.screen.areas):
+        if picture_editor(context) is None:
             cls.poll_message_set("no Image Editor in this window shows a render")
             return False
         return True
 
     def invoke(self, context, event) -> set[str]:
-        self.area = next(area for area in context.screen.areas if _shows_picture(area))
+        self.area = picture_editor(context)
         self.region = next(region for region in self.area.regions if region.type == "WINDOW")
         try:
             with context.temp_override(area=self.area, region=self.region):
@@ -137,11 +146,6 @@ class Picking:
         context.window.cursor_modal_restore()
         self.area.tag_redraw()
         return result
-
-
-def _shows_picture(area) -> bool:
-    image = area.spaces.active.image if area.type == "IMAGE_EDITOR" else None
-    return image is not None and image.type == "RENDER_RESULT"
 
 
 class PickWhite(Picking, Operator):

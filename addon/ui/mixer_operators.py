@@ -221,20 +221,19 @@ class Compare(_OfSnapshot, Operator):
     bl_idname = "relume.compare"
     bl_label = "Compare with Snapshot"
 
-    def execute(self, context) -> set[str]:
+    @reporting
+    def execute(self, context) -> None:
         scene, settings = context.scene, context.scene.relume
         if settings.comparing:
             compositing.end_comparison(scene)
             settings.comparing = ""
-            return {"FINISHED"}
+            return
         snapshot = self.chosen(context)
         try:
             compositing.compare(scene, setup.matrices_of(scene, schema.snapshot(snapshot.mix)))
         except RelumeError as error:
-            self.report({"ERROR"}, f"{snapshot.name}: {error}")
-            return {"CANCELLED"}
+            raise SetupError(f"{snapshot.name}: {error}") from error
         settings.comparing = snapshot.name
-        return {"FINISHED"}
 
 
 class WriteToLights(NeedsSetUp, Operator):

@@ -1,5 +1,6 @@
 """Share as Web Page, and the mix that comes back from one."""
 
+import argparse
 import io
 import shlex
 from contextlib import redirect_stderr
@@ -11,22 +12,25 @@ import numpy as np
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ...core.errors import RelumeError, UsageError
+from ...core.errors import UsageError
+from ...core.picture.coefficients import CoefficientImage
 from ..cli import arguments, jobs
-from ..cli.web import QUALITIES, SIZES, shown
+from ..cli.arguments import QUALITIES, SIZES
+from ..cli.web import plain_name, shown
 from ..scene import render
 from ..store import mixer
 from . import inspector
-from .mixer_operators import NeedsSetUp
+from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES"]
 
 
-class ShareAsWebPage(Operator):
+class ShareAsWebPage(NeedsSetUp, Operator):
     """Write the render that is there as one HTML file, in which anyone can change the light in a browser"""
 
     bl_idname = "relume.share_as_web_page"
     bl_label = "Share as Web Page"
+    bl_options = {"REGISTER"}
 
     filepath: StringProperty(subtype="FILE_PATH")
     filter_glob: StringProperty(default="*.html", options={"HIDDEN"})
@@ -43,38 +47,31 @@ class ShareAsWebPage(Operator):
     title: StringProperty(name="Title", description="Headline of the page; empty: the name of the file")
 
     @classmethod
-    def poll(cls, context):
-        if not context.scene.relume.is_set_up:
-            cls.poll_message_set("this scene is not set up for spectral rendering")
+    def poll(cls, context) -> bool:
+        if not super().poll(context):
             return False
-        if not context.scene.relume.exr and _image_editor(context) is None:
+        if not context.scene.relume.exr and inspector.picture_editor(context) is None:
             cls.poll_message_set("no Image Editor in this window shows a render")
             return False
         return True
 
-    def invoke(self, context, event):
-        name = (
-            Path(context.scene.relume.exr or bpy.data.filepath or context.scene.name)
-            .stem.replace("#", "")
-            .rstrip("._- ")
-        )
+    def invoke(self, context, event) -> set[str]:
+        name = plain_name(Path(context.scene.relume.exr or bpy.data.filepath or context.scene.name))
         self.filepath = self.filepath or f"{name}.html"
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context):
+    @reporting
+    def execute(self, context) -> None:
+        from ...core.web import page
+
         path = Path(bpy.path.abspath(self.filepath)).with_suffix(".html")
         window = context.window_manager
         window.progress_begin(0, 1)
-        from ...core.web import page
-
         try:
             image = _image(context)
             picture = page.Picture(self.title or path.stem, {1: lambda: image})
             page.write(path, [picture], size=self.size, quality=self.quality, title=self.title, show=shown)
-        except (RelumeError, OSError) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
         finally:
             window.progress_end()
         self.report({"INFO"}, f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
@@ -82,7 +79,6 @@ class ShareAsWebPage(Operator):
             import webbrowser
 
             webbrowser.open(path.absolute().as_uri())
-        return {"FINISHED"}
 
 
 class PasteMix(NeedsSetUp, Operator):
@@ -93,58 +89,42 @@ class PasteMix(NeedsSetUp, Operator):
 
     words: StringProperty(description="A mix; empty: what was copied", options={"HIDDEN", "SKIP_SAVE"})
 
-    def execute(self, context):
+    @reporting
+    def execute(self, context) -> None:
         settings = context.scene.relume
-        try:
-            told = _pasted(self.words or context.window_manager.clipboard)
-            image = render.described(context.scene)
-            lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), told.light)
-        except RelumeError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        pasted = _pasted(self.words or context.window_manager.clipboard)
+        image = render.described(context.scene)
+        lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), pasted.light)
         with mixer.quiet():
-            for words in told.light:
+            for words in pasted.light:
                 group = words.rpartition("=")[0]
                 row = settings.light_groups[group]
                 row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
                 row.solo, row.gain = False, lights[group].gain
-            if told.white is not None:
-                settings.white_balance = told.white
+            if pasted.white is not None:
+                settings.white_balance = pasted.white
         mixer.mix_changed(settings, context)
-        return {"FINISHED"}
 
 
-def _pasted(text: str):
+def _pasted(text: str) -> argparse.Namespace:
     """What the words of `relume relight` say, as its options. Raises UsageError."""
     try:
         with redirect_stderr(io.StringIO()):
-            told = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
+            pasted = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
     except (ValueError, SystemExit):
-        told = None
-    if told is None or not (told.light or told.white is not None):
+        pasted = None
+    if pasted is None or not (pasted.light or pasted.white is not None):
         raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …")
-    return told
+    return pasted
 
 
-def _image_editor(context):
-    areas = context.screen.areas if context.screen else ()
-    return next(
-        (
-            a
-            for a in areas
-            if a.type == "IMAGE_EDITOR" and getattr(a.spaces.active.image, "type", "") == "RENDER_RESULT"
-        ),
-        None,
-    )
-
-
-def _image(context):
+def _image(context) -> CoefficientImage:
     """The coefficient image that a scene shows now, lit as its mixer says. Raises CoefficientImageError."""
     scene = context.scene
     if scene.relume.exr:
         groups = inspector.coefficients_of(context)
     else:
-        area = _image_editor(context)
+        area = inspector.picture_editor(context)
         region = next(region for region in area.regions if region.type == "WINDOW")
         with context.temp_override(area=area, region=region):
             groups = inspector.coefficients_of(context)

@@ -11,8 +11,7 @@ from .colours import normalised, scene_from_xyz, scene_linear, srgb_from_xyz, xy
 from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, scaled
 from .limits import beyond
 from .metamers import metamer, metameric_black, metamers
-from .pictures import matrix_colours, matrix_xyz
-from .report import Report, patches, report
+from .report import Report, matrix_colours, matrix_xyz, patches, report
 from .solve import Solution, create
 from .tables import from_dict, read, to_dict, upsampled
 from .trial import HATCHED, Trial, Worn, coefficients_under, hatched, trial

@@ -6,21 +6,27 @@ has luminance 1.
 
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from ..errors import PaletteError
 from ..model.factor_model import FactorModel
 from ..spectra import library
+from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 from . import colours
 
-__all__ = ["Cell", "Constancy", "Criteria", "Difference", "Entry", "FreeColour", "Palette", "scaled"]
+__all__ = ["Cell", "Constancy", "Criteria", "Difference", "Entry", "FreeColour", "Key", "Palette", "scaled"]
+
+Key = tuple[str, Any]  # what is to be found: ("light", index), ("reflectance", index), ("free", name)
+Bounds = tuple[float, float]
+Three = tuple[float, float, float]
 
 SPACES = ("rgb", "xyz", "perceptual")
 LEAST_SAMPLES = 4  # fewer within the visible range say nothing of a spectrum
 MOST = 1e6  # of weights, luminances and colours: beyond it their squares leave what is computed with
-NO_BOUNDS = (-inf, inf)
+NO_BOUNDS: Bounds = (-inf, inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +44,7 @@ class Entry:
     spectrum: Spectrum | None = None
     designed: bool = False
     luminance: float = 1.0
-    bounds: tuple | None = None
+    bounds: Bounds | None = None
     near: Spectrum | None = None
     near_weight: float = 0.0
     span: str = ""
@@ -54,7 +60,7 @@ class Cell:
 
     reflectance: int
     light: int
-    target: tuple | None = None
+    target: Three | None = None
     weight: float = 1.0
     free: str = ""
 
@@ -64,8 +70,8 @@ class FreeColour:
     """Bounds (3,) of a free colour in linear RGB of the display."""
 
     name: str
-    lower: tuple = (-inf, -inf, -inf)
-    upper: tuple = (inf, inf, inf)
+    lower: Three = (-inf, -inf, -inf)
+    upper: Three = (inf, inf, inf)
 
 
 @dataclass(frozen=True)
@@ -85,7 +91,7 @@ class Constancy:
     """A reflectance that has one colour under several lights; `adapted`: as an eye that adapts to each sees it."""
 
     reflectance: int
-    lights: tuple
+    lights: tuple[int, ...]
     adapted: bool = False
     weight: float = 1.0
 
@@ -106,31 +112,30 @@ class Criteria:
     model_error: float = 0.1
     smoothness: float = 0.001
     bounded: bool = True
-    reflectance_bounds: tuple = (0.0, 1.0)
-    light_bounds: tuple = (0.0, inf)
+    reflectance_bounds: Bounds = (0.0, 1.0)
+    light_bounds: Bounds = (0.0, inf)
 
 
 @dataclass(frozen=True, eq=False)
 class Palette:
     """A design. Raises PaletteError for one that cannot mean anything."""
 
-    lights: tuple
-    reflectances: tuple
-    cells: tuple = ()
-    free_colours: tuple = ()
-    differences: tuple = ()
-    constancies: tuple = ()
+    lights: tuple[Entry, ...]
+    reflectances: tuple[Entry, ...]
+    cells: tuple[Cell, ...] = ()
+    free_colours: tuple[FreeColour, ...] = ()
+    differences: tuple[Difference, ...] = ()
+    constancies: tuple[Constancy, ...] = ()
     criteria: Criteria = field(default_factory=Criteria)
     title: str = ""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_criteria(self.criteria)
         for kind, entries in (("light", self.lights), ("reflectance", self.reflectances)):
             names = [entry.name for entry in entries]
-            for name in names:
-                if names.count(name) > 1:
-                    raise PaletteError(f"two {kind}s are named {name!r}")
             for entry in entries:
+                if names.count(entry.name) > 1:
+                    raise PaletteError(f"two {kind}s are named {entry.name!r}")
                 _check_entry(kind, entry, self.bounds(kind, entry))
         self._check_cells()
         for one in self.free_colours:
@@ -138,28 +143,25 @@ class Palette:
                 raise PaletteError(
                     f"free colour {one.name!r}: its lower bounds {one.lower} exceed its upper {one.upper}"
                 )
-        for one in self.differences:
-            where = (
-                f"the difference of {self.reflectances[one.first].name!r} and {self.reflectances[one.second].name!r}"
-            )
-            if one.first == one.second:
+        for pair in self.differences:
+            where = f"the difference of {self.where_both(pair)}"
+            if pair.first == pair.second:
                 raise PaletteError(f"{where}: a reflectance does not differ from itself")
-            if one.least is None and one.most is None:
+            if pair.least is None and pair.most is None:
                 raise PaletteError(f"{where}: say how far apart they are to be at least or at most")
-            if one.least is not None and one.most is not None and one.least > one.most:
-                raise PaletteError(f"{where}: at least {one.least:g} and at most {one.most:g} exclude each other")
-            _check_number(f"{where}: the weight", one.weight)
-            for amount in (one.least, one.most):
+            if pair.least is not None and pair.most is not None and pair.least > pair.most:
+                raise PaletteError(f"{where}: at least {pair.least:g} and at most {pair.most:g} exclude each other")
+            _check_number(f"{where}: the weight", pair.weight)
+            for amount in (pair.least, pair.most):
                 _check_number(f"{where}: a difference", 0.0 if amount is None else amount)
-        for one in self.constancies:
-            _check_number(f"{self.reflectances[one.reflectance].name!r}: the weight of its constancy", one.weight)
-            if len(set(one.lights)) < 2:
-                raise PaletteError(
-                    f"{self.reflectances[one.reflectance].name!r} stays the same under two lights or more"
-                )
+        for constancy in self.constancies:
+            name = self.reflectances[constancy.reflectance].name
+            _check_number(f"{name!r}: the weight of its constancy", constancy.weight)
+            if len(set(constancy.lights)) < 2:
+                raise PaletteError(f"{name!r} stays the same under two lights or more")
 
-    def _check_cells(self):
-        seen = set()
+    def _check_cells(self) -> None:
+        seen: set[tuple[int, int]] = set()
         for cell in self.cells:
             if not (0 <= cell.reflectance < len(self.reflectances) and 0 <= cell.light < len(self.lights)):
                 raise PaletteError(f"a cell names row {cell.reflectance} and column {cell.light}, which are not there")
@@ -175,15 +177,19 @@ class Palette:
                 raise PaletteError(f"{where}: the target colour is more than {MOST:g} times as bright as white")
             _check_number(f"{where}: the weight", cell.weight)
 
-    def where(self, cell):
+    def where(self, cell: Cell) -> str:
         """The words for a cell."""
         return self.where_at(cell.reflectance, cell.light)
 
-    def where_at(self, reflectance, light):
+    def where_at(self, reflectance: int, light: int) -> str:
         """The words for where a reflectance and a light meet, by their indices."""
         return f"{self.reflectances[reflectance].name!r} under {self.lights[light].name!r}"
 
-    def bounds(self, kind, entry):
+    def where_both(self, one: Difference) -> str:
+        """The words for where two reflectances meet a light."""
+        return f"{self.reflectances[one.first].name!r} and {self.where_at(one.second, one.light)}"
+
+    def bounds(self, kind: str, entry: Entry) -> Bounds:
         """Lowest and highest value of what is designed."""
         if entry.bounds is not None:
             return entry.bounds
@@ -191,36 +197,36 @@ class Palette:
             return NO_BOUNDS
         return self.criteria.light_bounds if kind == "light" else self.criteria.reflectance_bounds
 
-    def designed(self):
+    def designed(self) -> list[Key]:
         """The ("light" or "reflectance", index) of all that is to be made."""
         rows = [("reflectance", i) for i, entry in enumerate(self.reflectances) if entry.designed]
         return [("light", j) for j, entry in enumerate(self.lights) if entry.designed] + rows
 
-    def entry(self, kind, index):
+    def entry(self, kind: str, index: int) -> Entry:
         """The light or reflectance of that index."""
         return (self.lights if kind == "light" else self.reflectances)[index]
 
-    def meetings(self):
+    def meetings(self) -> list[tuple[int, int]]:
         """The (reflectance, light) of all that cells, differences and constancies speak of, in order."""
         found = [(cell.reflectance, cell.light) for cell in self.cells if cell.weight > 0]
-        for one in self.differences:
-            found += [(one.first, one.light), (one.second, one.light)]
-        for one in self.constancies:
-            found += [(one.reflectance, light) for light in one.lights]
+        for pair in self.differences:
+            found += [(pair.first, pair.light), (pair.second, pair.light)]
+        for constancy in self.constancies:
+            found += [(constancy.reflectance, light) for light in constancy.lights]
         return sorted(set(found))
 
-    def sampled(self, kind):
+    def sampled(self, kind: str) -> Array:
         """Spectra (n, 81) of all lights or reflectances; what is still to be made is flat."""
         entries = self.lights if kind == "light" else self.reflectances
         return np.array([_sampled(kind, entry) for entry in entries]).reshape(len(entries), WAVELENGTHS.size)
 
 
-def _check_number(what, value):
+def _check_number(what: str, value: float) -> None:
     if not 0 <= value <= MOST:
         raise PaletteError(f"{what} must be from 0 to {MOST:g}, not {value:g}")
 
 
-def scaled(palette, kind, index, way, factor=1.0):
+def scaled(palette: Palette, kind: str, index: int, way: str, factor: float = 1.0) -> Entry:
     """The Entry of a light or reflectance, normalised by "LUMINANCE" or "L2" norm, and times `factor`.
 
     Raises PaletteError for one without a spectrum, or with nothing to normalise by.
@@ -234,7 +240,7 @@ def scaled(palette, kind, index, way, factor=1.0):
     return replace(entry, spectrum=spectrum, luminance=luminance)
 
 
-def _sampled(kind, entry):
+def _sampled(kind: str, entry: Entry) -> Array:
     if entry.spectrum is None:
         return np.full(WAVELENGTHS.size, 1.0 if kind == "light" else 0.5)
     values = entry.spectrum.sampled()
@@ -242,7 +248,7 @@ def _sampled(kind, entry):
     return values if unit is None else entry.luminance * unit
 
 
-def _check_criteria(criteria):
+def _check_criteria(criteria: Criteria) -> None:
     if criteria.space not in SPACES:
         raise PaletteError(f"colours are compared in {', '.join(SPACES)}, not in {criteria.space!r}")
     if criteria.use_model and criteria.model is None:
@@ -251,7 +257,7 @@ def _check_criteria(criteria):
         _check_number(f"the weight of {name.replace('_', ' ')}", getattr(criteria, name))
 
 
-def _check_entry(kind, entry, bounds):
+def _check_entry(kind: str, entry: Entry, bounds: Bounds) -> None:
     where = f"{kind} {entry.name!r}"
     if not entry.designed and entry.spectrum is None:
         raise PaletteError(f"{where} is neither given nor designed")
@@ -272,5 +278,6 @@ def _check_entry(kind, entry, bounds):
         )
     for name in ("near_weight", "span_weight", "luminance"):
         _check_number(f"{where}: its {name.replace('_', ' ')}", getattr(entry, name))
-    if kind == "light" and not entry.designed and colours.luminance_one(entry.spectrum.sampled()) is None:
+    given = None if entry.designed else entry.spectrum
+    if kind == "light" and given and colours.luminance_one(given.sampled()) is None:
         raise PaletteError(f"{where} has no power where the eye sees")

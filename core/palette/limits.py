@@ -2,10 +2,12 @@
 
 import numpy as np
 
+from ..spectra.spectrum import Spectrum
+
 __all__ = ["beyond"]
 
 
-def beyond(spectrum, shines=False):
+def beyond(spectrum: Spectrum, shines: bool = False) -> str:
     """What happens to a reflectance or a light outside its range, in one sentence; "" for one inside.
 
     shines: whether it is what a surface or a volume emits. What shines is added up, never multiplied by itself, and is

@@ -3,11 +3,18 @@
 Both are exact to some 1e-9. `benchmarks/palette_solvers.py` says why the programme is solved by Clarabel.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ..spectra.arrays import Array
+from .criteria import Block, System
+from .design import Key
+
 __all__ = ["minimum", "unbounded"]
+
+Values = dict[Key, Array]
 
 # Weight of the length of what is found: among equal solutions the shortest. It must not outweigh the smoothness
 RIDGE, LEAST_RIDGE = 1e-6, 1e-9
@@ -19,7 +26,7 @@ SOFT = 1e3  # weight of free colours where nothing makes them equal
 INSIDE, HELD = 1e-12, 1e-7  # by how much bounds and hard equations may be missed
 
 
-def minimum(equations, soften=False):
+def minimum(equations: System, soften: bool = False) -> tuple[Values, float, tuple[str, ...]]:
     """The x of least squared residuals within its bounds -> {key: (n,)}, error of the KKT conditions, words.
 
     The words name hard equations that nothing within the bounds fulfils, and which are then only weighty; `soften` says
@@ -46,23 +53,23 @@ def minimum(equations, soften=False):
     return *best, _unmet(equations, best[0])
 
 
-def _within(equations):
+def _within(equations: System) -> tuple[Values, float] | None:
     """The best that is found within the bounds -> {key: (n,)}, error of the KKT conditions; None for nothing."""
-    best = None
+    best: tuple[Values, float] | None = None
     for scale, ridge in ATTEMPTS:
         # Those that mind the length are for where nothing else has come to an end
         if ridge > LEAST_RIDGE and best is not None:
             break
         found = _programme(equations, scale, ridge)
         error = np.inf if found is None else _kkt(equations, *found)
-        if error < FAIR and (best is None or error < best[1]):
+        if found is not None and error < FAIR and (best is None or error < best[1]):
             best = found[0], error
         if error < ENOUGH:
             break
     return best if best is None else _polished(equations, *best)
 
 
-def _polished(equations, x, error):
+def _polished(equations: System, x: Values, error: float) -> tuple[Values, float]:
     """The same, where only free colours have bounds: once these are found, least squares finds the rest, and better.
 
     A spectrum without bounds may go far in directions that cost next to nothing, before the programme minds.
@@ -83,19 +90,19 @@ def _polished(equations, x, error):
     return better, max(error, _kkt(equations, better, None))
 
 
-def _unmet(equations, x):
+def _unmet(equations: System, x: Values) -> tuple[str, ...]:
     """The words of hard equations that do not hold."""
     return tuple(b.words for b in equations.blocks if b.hard and np.abs(b.residual(x)).max() > HELD)
 
 
-def _softened(block):
+def _softened(block: Block) -> Block:
     if not block.hard:
         return block
     parts = tuple((key, SOFT * matrix) for key, matrix in block.parts)
     return replace(block, hard=False, parts=parts, right=SOFT * block.right)
 
 
-def _layout(equations):
+def _layout(equations: System) -> tuple[dict[Key, slice], int]:
     """{key: slice} of one vector of all unknowns, and its length."""
     places, at = {}, 0
     for key, size in equations.sizes.items():
@@ -104,13 +111,13 @@ def _layout(equations):
     return places, at
 
 
-def _ridges(equations):
+def _ridges(equations: System) -> dict[Key, float]:
     """{key: weight of its length}."""
     own = {block.own for block in equations.blocks}
     return {key: LEAST_RIDGE if key in own else RIDGE for key in equations.sizes}
 
 
-def unbounded(equations):
+def unbounded(equations: System) -> Values:
     """The least squares solution of least norm, as if there were no bounds -> {key: (n,)}.
 
     Blocks of one spectrum alone, as smoothness, are its norm: x = G^-1 (h + u). The rest is a system of few rows, whose
@@ -120,11 +127,11 @@ def unbounded(equations):
     ridges = _ridges(equations)
     inverse, known = {}, np.zeros(size)
     for key, place in places.items():
-        rows = [block for block in equations.blocks if block.own == key]
-        own = [block.parts[0][1] for block in rows] + [ridges[key] * np.eye(equations.sizes[key])]
+        alone = [block for block in equations.blocks if block.own == key]
+        own = [block.parts[0][1] for block in alone] + [ridges[key] * np.eye(equations.sizes[key])]
         triangular = np.linalg.qr(np.concatenate(own), mode="r")
         inverse[key] = np.linalg.inv(triangular)
-        right = sum((block.parts[0][1].T @ block.right for block in rows), np.zeros(equations.sizes[key]))
+        right = sum((block.parts[0][1].T @ block.right for block in alone), np.zeros(equations.sizes[key]))
         known[place] = inverse[key] @ (inverse[key].T @ right)
     rest = [block for block in equations.blocks if block.own is None]
     if rest:
@@ -140,7 +147,7 @@ def unbounded(equations):
     return {key: known[place] for key, place in places.items()}
 
 
-def _programme(equations, scale, ridge):
+def _programme(equations: System, scale: float, ridge: float) -> tuple[Values, Array] | None:
     """Minimise within bounds -> {key: (n,)}, multipliers of the hard blocks; None where those cannot hold."""
     import clarabel
     from scipy import sparse
@@ -188,7 +195,7 @@ def _programme(equations, scale, ridge):
     return {key: x[place] for key, place in places.items()}, duals
 
 
-def _stacked(blocks, places, size):
+def _stacked(blocks: Sequence[Block], places: dict[Key, slice], size: int) -> tuple[Array, Array]:
     """Blocks as one matrix (m, size) and right side (m,)."""
     right = np.concatenate([np.zeros(0), *(block.right for block in blocks)])
     matrix, at = np.zeros((right.size, size)), 0
@@ -199,7 +206,7 @@ def _stacked(blocks, places, size):
     return matrix, right
 
 
-def _kkt(equations, x, duals):
+def _kkt(equations: System, x: Values, duals: Array | None) -> float:
     """How far a projected step down the gradient, no longer than the steepest curvature allows, moves x.
 
     duals: multipliers of the hard equations; those that fit best where there are none.

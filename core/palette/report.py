@@ -1,18 +1,24 @@
 """What a design has come to: how near each colour is, what gave way, and what could have been had instead."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..colour.differences import delta_E_2000
+from ..colour.spaces import D65_WHITE
+from ..spectra.arrays import Array
 from . import colours, criteria
-from .design import Palette
+from .criteria import State
+from .design import Cell, Constancy, Difference, Entry, Palette
 from .solve import Solution, costs, create, start
 
-__all__ = ["CellReport", "Report", "patches", "report"]
+__all__ = ["CellReport", "Report", "matrix_colours", "matrix_xyz", "patches", "report"]
 
 NOTICED = 1.0  # CIEDE2000 from which a wanted colour counts as missed
 UNSEEN = 0.05  # CIEDE2000 by which a difference may be beside what was asked without a word
+
+Met = tuple[str, str, float, bool]  # words, demand, CIEDE2000 reached, whether that is what was asked
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +33,12 @@ class CellReport:
     where: str
     reflectance: int
     light: int
-    wanted: np.ndarray
-    full: np.ndarray
-    model: np.ndarray | None
+    wanted: Array
+    full: Array
+    model: Array | None
     error: float
     model_error: float | None
-    nearest: np.ndarray | None = None
+    nearest: Array | None = None
     nearest_error: float | None = None
 
 
@@ -40,15 +46,15 @@ class CellReport:
 class Report:
     """cells: CellReport for each cell that takes part. shares: {criterion: part of the squared residuals, 0..1}.
 
-    differences: (words, demand, CIEDE2000 reached, whether that is what was asked). constancies: (words, the largest
-    CIEDE2000 of two of its colours). remarks: sentences on what gave way and whether the design converged.
+    constancies: (words, the largest CIEDE2000 of two of its colours). remarks: sentences on what gave way and whether
+    the design converged.
     """
 
-    cells: tuple
-    differences: tuple
-    constancies: tuple
-    shares: dict
-    remarks: tuple
+    cells: tuple[CellReport, ...]
+    differences: tuple[Met, ...]
+    constancies: tuple[tuple[str, float], ...]
+    shares: dict[str, float]
+    remarks: tuple[str, ...]
 
 
 def report(solution: Solution) -> Report:
@@ -62,7 +68,7 @@ def report(solution: Solution) -> Report:
     return Report(cells, differences, constancies, shares, tuple(_remarks(solution, cells, differences, shares)))
 
 
-def patches(palette: Palette) -> tuple:
+def patches(palette: Palette) -> tuple[Array, Array | None]:
     """XYZ of all cells as the spectra are now: full (r, l, 3), and of the model (r, l, 3) or None."""
     state = start(palette)
     model = palette.criteria.model
@@ -72,14 +78,32 @@ def patches(palette: Palette) -> tuple:
     return state.colours(), np.stack(made, axis=1) if made else state.colours()
 
 
-def _cell(palette, state, xyz, whites, free, cell):
+def matrix_xyz(palette: Palette) -> tuple[Array, ...]:
+    """What the matrix shows, in XYZ: wanted (r, l, 3), NaN where nothing is; full (r, l, 3); model (r, l, 3);
+    lights on white (l, 3); reflectances under flat light (r, 3). Without a model its colours are the full ones.
+    """
+    full, model = patches(palette)
+    wanted = np.full(full.shape, np.nan)
+    for cell in palette.cells:
+        if cell.target is not None:
+            wanted[cell.reflectance, cell.light] = cell.target
+    lights, reflectances = (palette.sampled(kind) @ colours.xyz_weights().T for kind in ("light", "reflectance"))
+    return wanted, full, full if model is None else model, lights, reflectances
+
+
+def matrix_colours(palette: Palette) -> tuple[Array, ...]:
+    """The same in sRGB 0..1."""
+    return tuple(colours.srgb_from_xyz(xyz) for xyz in matrix_xyz(palette))
+
+
+def _cell(palette: Palette, state: State, xyz: Array, whites: Array, free: dict[str, Array], cell: Cell) -> CellReport:
     full, white, model = xyz[cell.reflectance, cell.light], whites[cell.light], palette.criteria.model
     made = None
     if model is not None:
         made = criteria.model_colour(model, state.lights[cell.light], state.reflectances[cell.reflectance])
     wanted = colours.xyz_from_rgb(free[cell.free]) if cell.free in free else full
     wanted = wanted if cell.target is None else np.array(cell.target, float)
-    seen = made if palette.criteria.use_model else full
+    seen = made if palette.criteria.use_model and made is not None else full
     error = float(delta_E_2000(wanted, seen, white))
     model_error = None if made is None else float(delta_E_2000(full, made, white))
     nearest = nearest_error = None
@@ -88,13 +112,11 @@ def _cell(palette, state, xyz, whites, free, cell):
         if alone is not None:
             nearest = alone.state.colours()[cell.reflectance, cell.light]
             nearest_error = float(delta_E_2000(wanted, nearest, alone.state.whites()[cell.light]))
-    where = palette.where(cell)
-    return CellReport(
-        where, cell.reflectance, cell.light, wanted, full, made, error, model_error, nearest, nearest_error
-    )
+    place = palette.where(cell), cell.reflectance, cell.light
+    return CellReport(*place, wanted, full, made, error, model_error, nearest, nearest_error)
 
 
-def _alone(palette, cell):
+def _alone(palette: Palette, cell: Cell) -> Solution | None:
     """The Solution of a design for one cell only; None where nothing is designed in it."""
     keys = (("light", cell.light), ("reflectance", cell.reflectance))
     # Where both are designed the light is left as it is: the reflectance alone can do most
@@ -102,7 +124,7 @@ def _alone(palette, cell):
     if made is None:
         return None
 
-    def only(kind, entries):
+    def only(kind: str, entries: Sequence[Entry]) -> tuple[Entry, ...]:
         return tuple(
             replace(entry, designed=(kind, index) == made, near_weight=0.0, span_weight=0.0)
             for index, entry in enumerate(entries)
@@ -121,33 +143,33 @@ def _alone(palette, cell):
     )
 
 
-def _difference(palette, xyz, whites, one):
-    names = [palette.reflectances[index].name for index in (one.first, one.second)]
+def _difference(palette: Palette, xyz: Array, whites: Array, one: Difference) -> Met:
     reached = float(delta_E_2000(xyz[one.first, one.light], xyz[one.second, one.light], whites[one.light]))
     bounds = (("at least", one.least), ("at most", one.most))
     demands = [f"{word} {bound:g}" for word, bound in bounds if bound is not None]
     met = (one.least is None or reached > one.least - UNSEEN) and (one.most is None or reached < one.most + UNSEEN)
-    words = f"{names[0]!r} and {names[1]!r} under {palette.lights[one.light].name!r}"
-    return words, " and ".join(demands), reached, met
+    return palette.where_both(one), " and ".join(demands), reached, met
 
 
-def _constancy(palette, xyz, whites, one):
+def _constancy(palette: Palette, xyz: Array, whites: Array, one: Constancy) -> tuple[str, float]:
     seen, white = [xyz[one.reflectance, light] for light in one.lights], whites[one.lights[0]]
     if one.adapted:
         seen = [colours.adapted(whites[light]) @ colour for light, colour in zip(one.lights, seen, strict=True)]
-        white = colours.xyz_from_rgb((1.0, 1.0, 1.0)) * white[1]
+        white = D65_WHITE * white[1]
     names = ", ".join(repr(palette.lights[light].name) for light in one.lights)
     largest = max(float(delta_E_2000(a, b, white)) for a in seen for b in seen)
     return f"{palette.reflectances[one.reflectance].name!r} under {names}", largest
 
 
-def _shares(solution):
+def _shares(solution: Solution) -> dict[str, float]:
     found = costs(solution.palette, solution.state)
     total = sum(found.values())
     return {name: cost / total if total > 0 else 0.0 for name, cost in found.items()}
 
 
-def _remarks(solution, cells, differences, shares):
+def _remarks(
+    solution: Solution, cells: Sequence[CellReport], differences: Sequence[Met], shares: dict[str, float]
+) -> Iterator[str]:
     if not solution.convex:
         how = "converged" if solution.converged else "has not converged"
         yield f"Not convex, so solved step by step: it {how} in {solution.steps} steps."
@@ -156,7 +178,7 @@ def _remarks(solution, cells, differences, shares):
     missed = [cell for cell in cells if cell.error > NOTICED]
     for cell in missed:
         sentence = f"{cell.where} misses its target by CIEDE2000 {cell.error:.1f}"
-        if cell.nearest_error is None:
+        if cell.nearest is None or cell.nearest_error is None:
             yield f"{sentence}: neither its light nor its reflectance is designed."
         elif cell.nearest_error > NOTICED:
             near = f"{colours.encoded(cell.nearest)}, {cell.nearest_error:.1f} away"
@@ -169,15 +191,15 @@ def _remarks(solution, cells, differences, shares):
     if missed and _reachable_without_bounds(solution.palette, missed):
         yield "Without bounds every target could be had: it is the bounds that stand in the way."
     if missed and shares:
-        name = max(shares, key=shares.get)
+        name = max(shares, key=lambda criterion: shares[criterion])
         yield f"Of what is left over, the criterion {name!r} has {100 * shares[name]:.0f} %."
 
 
-def _reachable_without_bounds(palette, missed):
+def _reachable_without_bounds(palette: Palette, missed: Sequence[CellReport]) -> bool:
     if not palette.criteria.bounded:
         return False
     free = replace(palette, criteria=replace(palette.criteria, bounded=False))
     state = create(free).state
     xyz, whites = state.colours(), state.whites()
     seen = [delta_E_2000(one.wanted, xyz[one.reflectance, one.light], whites[one.light]) for one in missed]
-    return max(seen) < NOTICED
+    return bool(max(seen) < NOTICED)

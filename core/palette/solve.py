@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import PaletteError
+from ..spectra.arrays import Array
 from ..spectra.spectrum import RANGES, WAVELENGTHS, Spectrum
 from . import colours
 from .criteria import State, system
+from .design import Entry, Key, Palette
 from .programme import minimum
 
 __all__ = ["Solution", "costs", "create", "start"]
@@ -30,18 +32,18 @@ class Solution:
     from the conditions of an optimum. slack: free colours that had to be softened, in words.
     """
 
-    palette: object
+    palette: Palette
     state: State
-    free: dict
+    free: dict[str, Array]
     convex: bool
     converged: bool
     steps: int
     kkt: float
     cost: float
-    slack: tuple = ()
+    slack: tuple[str, ...] = ()
 
 
-def create(palette):
+def create(palette: Palette) -> Solution:
     """Find the designed spectra of a Palette -> Solution. Raises PaletteError for a design without anything to do."""
     designed = palette.designed()
     if not designed:
@@ -57,8 +59,8 @@ def create(palette):
         return _best(palette, designed)
 
 
-def _best(palette, designed):
-    starts = [None]
+def _best(palette: Palette, designed: list[Key]) -> Solution:
+    starts: list[Array | None] = [None]
     if any(one.least is not None for one in palette.differences):
         starts = [sign * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
     tried = [_descend(palette, start(palette), designed, push, STEPS if len(starts) == 1 else TRIED) for push in starts]
@@ -74,7 +76,7 @@ def _best(palette, designed):
     return replace(best, palette=filled)
 
 
-def _made(entry, kind, index, state):
+def _made(entry: Entry, kind: str, index: int, state: State) -> Entry:
     """The entry with its spectrum found."""
     is_light = kind == "light"
     values = (state.lights if is_light else state.reflectances)[index]
@@ -86,12 +88,12 @@ def _made(entry, kind, index, state):
     return replace(entry, spectrum=spectrum, luminance=luminance)
 
 
-def start(palette):
+def start(palette: Palette) -> State:
     """Where a design begins: spectra as they are, flat where there are none yet -> State."""
     return State(palette.sampled("light"), palette.sampled("reflectance"), {})
 
 
-def _turns(palette, designed):
+def _turns(palette: Palette, designed: list[Key]) -> list[list[Key]]:
     """What is solved for together: all, or lights and reflectances in turn where two of them meet."""
     chosen = set(designed)
     meet = any(("reflectance", i) in chosen and ("light", j) in chosen for i, j in palette.meetings())
@@ -100,7 +102,7 @@ def _turns(palette, designed):
     return [[key for key in designed if key[0] == kind] for kind in ("reflectance", "light")]
 
 
-def is_convex(palette, designed):
+def is_convex(palette: Palette, designed: list[Key]) -> bool:
     """Whether one step is all: nothing depends on the spectra that are being found."""
     moving = {index for kind, index in designed if kind == "light"}
     light = any(cell.light in moving for cell in palette.cells)
@@ -114,10 +116,12 @@ def is_convex(palette, designed):
     )
 
 
-def _descend(palette, state, designed, push, most):
+def _descend(palette: Palette, state: State, designed: list[Key], push: Array | None, most: int) -> Solution:
     """Solve, look where that leads, and solve again until nothing changes -> Solution; the best where it goes on."""
     turns, convex = _turns(palette, designed), is_convex(palette, designed)
-    best, before, cost, slack = None, None, np.inf, {}
+    best: Solution | None = None
+    before, cost = None, np.inf
+    slack: dict[int, tuple[str, ...]] = {}  # of each turn, in words
     for step in range(1, (2 if convex else most + 1)):
         kkt = 0.0
         for number, turn in enumerate(turns):
@@ -127,7 +131,9 @@ def _descend(palette, state, designed, push, most):
         seen = state.colours()
         level = abs(former - cost) < COST_RELATIVE * cost + COST_ABSOLUTE
         done = convex or (before is not None and (level or np.abs(seen - before).max() < SETTLED))
-        now = Solution(palette, state, _free(state), convex, done, step, kkt, cost, _told(slack))
+        free = {name: values for (kind, name), values in state.free.items() if kind == "free"}
+        words = tuple(dict.fromkeys(each for turn_words in slack.values() for each in turn_words))
+        now = Solution(palette, state, free, convex, done, step, kkt, cost, words)
         if done:
             return now
         if best is None or cost < best.cost:
@@ -135,21 +141,14 @@ def _descend(palette, state, designed, push, most):
         elif step > best.steps + PATIENCE:
             break
         before = seen
+    assert best is not None, "at least one step is taken"
     return best
 
 
-def _told(slack):
-    """The words of all turns, each once."""
-    return tuple(dict.fromkeys(words for each in slack.values() for words in each))
-
-
-def _free(state):
-    return {name: values for (kind, name), values in state.free.items() if kind == "free"}
-
-
-def costs(palette, state):
+def costs(palette: Palette, state: State) -> dict[str, float]:
     """{criterion: squared residuals} of a State that a design has come to."""
-    found, counted = {}, set()
+    found: dict[str, float] = {}
+    counted: set[tuple[str, str]] = set()
     x = {("light", j): values for j, values in enumerate(state.lights)}
     x |= {("reflectance", i): values for i, values in enumerate(state.reflectances)} | state.free
     for turn in _turns(palette, palette.designed()):
@@ -161,7 +160,7 @@ def costs(palette, state):
     return found
 
 
-def _moved(state, x):
+def _moved(state: State, x: dict[Key, Array]) -> State:
     lights, reflectances = state.lights.copy(), state.reflectances.copy()
     free = dict(state.free)
     for (kind, index), values in x.items():

@@ -4,18 +4,24 @@ docs/palette.md says what they hold. Raises PaletteError with the file, the tabl
 """
 
 import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 from functools import cache
 from math import inf
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
+from ..colour.spaces import REC709
 from ..errors import LibraryError, PaletteError, RelumeError
 from ..model import bases, upsample
+from ..model.factor_model import FactorModel
 from ..spectra import files, library
+from ..spectra.arrays import ArrayLike
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 from . import colours
-from .design import Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette
+from .design import Bounds, Cell, Constancy, Criteria, Difference, Entry, FreeColour, Palette, Three
 
 __all__ = ["VERSION", "from_dict", "read", "to_dict", "upsampled"]
 
@@ -32,20 +38,12 @@ _TABLES = {
     "differences": {"light", "between", "least", "most", "weight"},
     "constancies": {"reflectance", "lights", "adapted", "weight"},
 }
-_CRITERIA = {
-    "space",
-    "model",
-    "channels",
-    "use_model",
-    "model_error",
-    "smoothness",
-    "bounded",
-    "reflectance_bounds",
-    "light_bounds",
-}
+_CRITERIA = {"channels", *(field.name for field in fields(Criteria))}
+Table = dict[str, Any]
+Made = TypeVar("Made")
 
 
-def read(path):
+def read(path: str | Path) -> Palette:
     """The Palette in a TOML file; files that it names are looked for beside it. Raises PaletteError."""
     path = Path(path)
     try:
@@ -62,7 +60,7 @@ def read(path):
         raise PaletteError(f"{path}: {error}") from None
 
 
-def from_dict(table, folder=Path()):
+def from_dict(table: Table, folder: Path = Path()) -> Palette:
     """The Palette that a table describes. Raises PaletteError."""
     if not isinstance(table, dict):
         raise PaletteError("a design is a table")
@@ -93,7 +91,7 @@ def from_dict(table, folder=Path()):
         raise error if isinstance(error, RelumeError) else PaletteError(str(error)) from None
 
 
-def _each(table, name, make):
+def _each(table: Table, name: str, make: Callable[[Table], Made]) -> Iterator[Made]:
     for number, one in enumerate(table.get(name, []), start=1):
         where = f"{name} {number}"
         _only(one, _TABLES[name], where)
@@ -107,14 +105,14 @@ def _each(table, name, make):
             raise PaletteError(f"{where}: {error}") from None
 
 
-def _only(table, known, where):
+def _only(table: Table, known: set[str], where: str) -> None:
     for name in table:
         if name not in known:
             raise PaletteError(f"{where}: no {name!r} is known; there are {', '.join(sorted(known))}")
 
 
-def _entries(table, name, kind, folder):
-    def make(one):
+def _entries(table: Table, name: str, kind: str, folder: Path) -> Iterator[Entry]:
+    def make(one: Table) -> Entry:
         spectrum = _spectrum(one, kind, folder)
         return Entry(
             str(one.get("name", spectrum.name if spectrum else "")),
@@ -131,7 +129,7 @@ def _entries(table, name, kind, folder):
     return _each(table, name, make)
 
 
-def _spectrum(one, kind, folder):
+def _spectrum(one: Table, kind: str, folder: Path) -> Spectrum | None:
     given = [name for name in ("spectrum", "file", "planckian", "colour") if name in one]
     if len(given) > 1:
         raise PaletteError(f"{' and '.join(given)} are both given: one says what it is")
@@ -152,20 +150,20 @@ def _spectrum(one, kind, folder):
     return found[0]
 
 
-def _named(what, kind):
+def _named(what: Any, kind: str) -> Spectrum:
     if isinstance(what, dict):
         return Spectrum.from_dict(what)
     return library.illuminant(what) if kind == "light" else library.reflectance(what)
 
 
-def upsampled(rgb, space=colours.DISPLAY, name=""):
+def upsampled(rgb: ArrayLike, space: str = REC709, name: str = "") -> Spectrum:
     """The smooth reflectance that has a colour, linear RGB (3,) of a space, under D65 -> Spectrum in 0..1."""
     reference = bases.bands()
     values = reference.reconstruct(upsample.rgb_matrix(reference, space) @ np.asarray(rgb, dtype=np.float64))
     return Spectrum(WAVELENGTHS, np.clip(values, 0.0, 1.0), name)
 
 
-def _upsampled(text, kind):
+def _upsampled(text: str, kind: str) -> Spectrum:
     """The spectrum of a colour such as #3366cc: of a reflectance under D65, of a light as it is."""
     reflectance = upsampled(colours.display_from_xyz() @ colours.xyz_from_hex(text), name=str(text))
     if kind == "light":
@@ -174,7 +172,7 @@ def _upsampled(text, kind):
     return reflectance
 
 
-def _cell(one, rows, columns):
+def _cell(one: Table, rows: dict[str, int], columns: dict[str, int]) -> Cell:
     return Cell(
         _index(one["reflectance"], rows, "reflectance"),
         _index(one["light"], columns, "light"),
@@ -184,91 +182,85 @@ def _cell(one, rows, columns):
     )
 
 
-def _colour(one):
+def _colour(one: Table) -> Three | None:
     given = [name for name in ("colour", "rgb", "xyz") if name in one]
     if len(given) > 1:
         raise PaletteError(f"{' and '.join(given)} are both given: one is enough")
     if not given:
         return None
     if "colour" in one:
-        return tuple(colours.xyz_from_hex(one["colour"]).tolist())
+        return _three(colours.xyz_from_hex(one["colour"]).tolist())
     values = _three(one[given[0]])
-    return tuple(colours.xyz_from_rgb(values).tolist()) if given[0] == "rgb" else values
+    return _three(colours.xyz_from_rgb(values).tolist()) if given[0] == "rgb" else values
 
 
-def _free(one):
+def _free(one: Table) -> FreeColour:
     lower, upper = _three(one.get("lower", [-inf] * 3)), _three(one.get("upper", [inf] * 3))
     return FreeColour(str(one["name"]), lower, upper)
 
 
-def _difference(one, rows, columns):
+def _difference(one: Table, rows: dict[str, int], columns: dict[str, int]) -> Difference:
     between = one["between"]
     if not isinstance(between, list) or len(between) != 2:
         raise PaletteError("'between' names two reflectances")
     first, second = (_index(name, rows, "reflectance") for name in between)
-    least, most = (_number(one, name, None) for name in ("least", "most"))
+    least, most = (_number(one, name, 0.0) if name in one else None for name in ("least", "most"))
     return Difference(_index(one["light"], columns, "light"), first, second, least, most, _number(one, "weight", 1.0))
 
 
-def _constancy(one, rows, columns):
+def _constancy(one: Table, rows: dict[str, int], columns: dict[str, int]) -> Constancy:
     lights = tuple(_index(name, columns, "light") for name in one["lights"])
     row = _index(one["reflectance"], rows, "reflectance")
     return Constancy(row, lights, bool(one.get("adapted", False)), _number(one, "weight", 1.0))
 
 
-def _criteria(table):
+def _criteria(table: Table) -> Criteria:
     _only(table, _CRITERIA, "criteria")
-    known = {}
-    for name in ("model_error", "smoothness"):
-        if name in table:
-            known[name] = _number(table, name, None)
-    for name in ("reflectance_bounds", "light_bounds"):
-        if name in table:
-            known[name] = _pair(table[name])
-    for name in ("use_model", "bounded"):
-        if name in table:
-            known[name] = bool(table[name])
-    if "space" in table:
-        known["space"] = str(table["space"])
+    numbers = {name: _number(table, name, 0.0) for name in ("model_error", "smoothness") if name in table}
+    known: Table = numbers | {name: take(table[name]) for name, take in _TAKEN.items() if name in table}
     if table.get("channels"):
         known["model"] = _model(str(table.get("model", "fitted")), table["channels"])
     return Criteria(**known)
 
 
 @cache
-def _model(name, channels):
-    makers = {"fitted": bases.fitted, "block": bases.block, "sharpened": bases.sharpened}
-    if name not in makers:
-        raise PaletteError(f"criteria: no model {name!r}: choose {', '.join(makers)}")
-    return makers[name](channels)
+def _model(name: str, channels: int) -> FactorModel:
+    if name not in ("fitted", "block", "sharpened"):
+        raise PaletteError(f"criteria: no model {name!r}: choose fitted, block, sharpened")
+    return getattr(bases, name)(channels)
 
 
-def _index(name, names, what):
+def _index(name: str, names: dict[str, int], what: str) -> int:
     if name not in names:
         raise PaletteError(f"no {what} is named {name!r}; there are {', '.join(names) or 'none'}")
     return names[name]
 
 
-def _number(one, name, default):
+def _number(one: Table, name: str, default: float) -> float:
     value = one.get(name, default)
-    if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise PaletteError(f"{name!r} is a number, not {value!r}")
-    return value if value is None else float(value)
+    return float(value)
 
 
-def _three(values):
+def _three(values: Any) -> Three:
     if not isinstance(values, (list, tuple)) or len(values) != 3:
         raise PaletteError(f"a colour has three numbers, not {values!r}")
-    return tuple(float(value) for value in values)
+    x, y, z = values
+    return float(x), float(y), float(z)
 
 
-def _pair(values):
+def _pair(values: Any) -> Bounds:
     if not isinstance(values, (list, tuple)) or len(values) != 2:
         raise PaletteError(f"bounds are two numbers, the lowest and the highest, not {values!r}")
-    return tuple(float(value) for value in values)
+    return float(values[0]), float(values[1])
 
 
-def to_dict(palette):
+# What becomes of the values of a table of criteria
+_TAKEN: Table = {"space": str, "use_model": bool, "bounded": bool, "reflectance_bounds": _pair, "light_bounds": _pair}
+
+
+def to_dict(palette: Palette) -> Table:
     """A table that JSON can keep, and from which `from_dict` makes the same design."""
     criteria = palette.criteria
     table = {
@@ -292,7 +284,7 @@ def to_dict(palette):
     columns = [entry.name for entry in palette.lights]
     table["cells"] = [
         {"light": columns[c.light], "reflectance": rows[c.reflectance], "weight": c.weight}
-        | ({"free": c.free} if c.free else {"xyz": list(c.target)})
+        | ({"free": c.free} if c.free else {"xyz": list(c.target or ())})
         for c in palette.cells
     ]
     table["free_colours"] = [
@@ -315,7 +307,7 @@ def to_dict(palette):
     return table
 
 
-def _entry_dict(entry):
+def _entry_dict(entry: Entry) -> Table:
     table = {"name": entry.name, "designed": entry.designed, "luminance": entry.luminance}
     if entry.spectrum is not None:
         table["spectrum"] = entry.spectrum.to_dict()

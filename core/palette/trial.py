@@ -180,12 +180,13 @@ def _share(name: str, materials: Mapping[str, Array], surface: Array) -> float:
 
     By how much of the picture they have, and how colourful they are.
     """
-    weights, towards = {}, {}
+    weights: dict[str, float] = {}
+    towards: dict[str, Array] = {}
     for each, covered in materials.items():
         if (np.asarray(covered) > WHOLE).any():
             colour = coefficients_under(surface, covered)
             towards[each] = colour - colour.mean()
-            weights[each] = float(np.sum(covered)) * np.linalg.norm(towards[each])
+            weights[each] = float(np.sum(covered) * np.linalg.norm(towards[each]))
     length = np.linalg.norm(towards[name])
     alike = [
         weights[each]

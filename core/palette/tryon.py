@@ -8,8 +8,10 @@ mirror reflections, are as they were.
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import PaletteError
+from ..spectra.arrays import ArrayLike
 
 __all__ = ["TriedOn", "try_on"]
 
@@ -25,12 +27,14 @@ class TriedOn:
     the old surface reflected too little in a channel to say what fell on it.
     """
 
-    coefficients: np.ndarray
-    seen: np.ndarray
-    doubtful: np.ndarray
+    coefficients: NDArray[np.floating]
+    seen: NDArray[np.bool_]
+    doubtful: NDArray[np.bool_]
 
 
-def try_on(coefficients, surface, old, new, diffuse=None):
+def try_on(
+    coefficients: ArrayLike, surface: ArrayLike, old: ArrayLike, new: ArrayLike, diffuse: ArrayLike | None = None
+) -> TriedOn:
     """A picture (height, width, p) with `new` coefficients (p,) in place of `old` (p,) -> TriedOn.
 
     surface: (height, width, p) of the AOV. diffuse: the part (height, width, p) of the picture that is reflected

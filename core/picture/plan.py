@@ -128,17 +128,20 @@ class LeftOut:
     cost: str
 
 
-def choose(content: Content, tolerance: float = 1.0) -> Plan:
+def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
     """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
     Of models with as many passes the most exact is taken; where none stays within it, the reference. A glass that
-    makes a spectrum leaves only models of SPECTRUM channels or more.
+    makes a spectrum leaves only models of SPECTRUM channels or more. least: channels that there are at least, for
+    a scene whose content may change.
     """
     if not tolerance > 0:
         raise UsageError(f"the tolerance is {tolerance}: expected more than 0")
     rejected: list[Candidate] = []
+    least = max(least, SPECTRUM if content.disperses else 1)
     for alternatives in _candidates(content):
-        if content.disperses and max(model.channels for model in alternatives) < SPECTRUM:
+        alternatives = [model for model in alternatives if model.channels >= least]
+        if not alternatives:
             continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)

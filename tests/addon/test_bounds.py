@@ -91,20 +91,20 @@ def test_a_colour_in_a_mix_keeps_its_negative_part(sphere):
     assert closures.bounds_of(nodes.mixed(mix, "A")) == closures.Bounds.NONE
 
 
-def test_deep_coloured_light_is_told_and_a_warm_lamp_is_not(sphere):
-    def told() -> list[str]:
+def test_deep_coloured_light_is_named_and_a_warm_lamp_is_not(sphere):
+    def named() -> list[str]:
         setup.set_up(sphere, bases.fitted(9))
         return [remark.owner for remark in remarks.of(sphere) if "deeply coloured" in remark.why]
 
     bpy.data.lights["Light"].color = (1.0, 0.85, 0.7)
-    assert told() == []
+    assert named() == []
     setup.remove(sphere)
     bpy.data.lights["Light"].color = (1.0, 0.1, 0.05)
-    assert told() == ["Light"]
+    assert named() == ["Light"]
     setup.remove(sphere)
     sphere.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.2, 1.0, 1.0)
     bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
-    assert told() == [sphere.world.name]
+    assert named() == [sphere.world.name]
 
 
 def test_a_surface_outside_rec709_is_told(sphere):

@@ -155,9 +155,9 @@ def test_what_cannot_be_is_one_line(rendered, capfd, arguments, status, words):
     before, listed = digests(rendered), names(rendered)
     capfd.readouterr()
     assert commands.execute(arguments) == status
-    told = said(capfd)
-    assert words in told[-1]
-    assert status == 2 or len(told) == 1
+    printed = said(capfd)
+    assert words in printed[-1]
+    assert status == 2 or len(printed) == 1
     assert (digests(rendered), names(rendered)) == (before, listed)
 
 
@@ -209,8 +209,8 @@ def test_resume_keeps_what_is_whole(typed, capfd):
     (typed / "little_0003_A+FL2.png").unlink()
     capfd.readouterr()
     assert commands.execute(arguments) == 0
-    told = capfd.readouterr().err
-    assert "little_0001.exr: kept" in told and "little_0002.exr: the file is damaged" in told
+    printed = capfd.readouterr().err
+    assert "little_0001.exr: kept" in printed and "little_0002.exr: the file is damaged" in printed
     assert (typed / "little_0002.exr").read_bytes() == data, "rendered again, to the same bytes"
     changed = {name for name in names(typed) if (typed / name).stat().st_mtime_ns != times[name]}
     assert changed == {f"little_000{n}{end}" for n in "23" for end in (".exr", "_A+FL2.png")} | {"summary.json"}
@@ -298,10 +298,10 @@ def test_a_driver_that_does_not_work_is_named(typed, capfd):
     bpy.ops.wm.save_mainfile()
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", *CHEAP]) == 0
-    told = capfd.readouterr()
-    (line,) = [line for line in told.err.splitlines() if line.startswith("relume")]
+    printed = capfd.readouterr()
+    (line,) = [line for line in printed.err.splitlines() if line.startswith("relume")]
     assert "location of floor" in line
-    assert "Traceback" not in told.err and "PyDriver" not in told.err and "PyDriver" not in told.out
+    assert "Traceback" not in printed.err and "PyDriver" not in printed.err and "PyDriver" not in printed.out
 
 
 def test_an_exposure_that_is_no_number_is_refused(typed, capfd):
@@ -320,8 +320,8 @@ def test_what_nobody_foresaw_is_a_sentence_and_its_traceback_is_logged(typed, mo
     monkeypatch.setattr(setup, "set_up", fail)
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", *CHEAP]) == 1
-    told = capfd.readouterr().err
-    assert "unexpected KeyError" in told and "Traceback" not in told
+    printed = capfd.readouterr().err
+    assert "unexpected KeyError" in printed and "Traceback" not in printed
     monkeypatch.setenv("RELUME_LOG", "debug")
     assert commands.execute(["render", "little.blend", *CHEAP]) == 1
     assert "Traceback" in capfd.readouterr().err
@@ -332,12 +332,12 @@ def test_events_are_json_lines(typed, monkeypatch, capfd):
     monkeypatch.setenv("RELUME_EVENTS", "json")
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", "--channels", "6"]) == 0
-    told = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
-    assert [each["event"] for each in told] == ["pass", "pass", "wrote", "wrote", "wrote"]
-    assert [(each["number"], each["passes"]) for each in told[:2]] == [(1, 2), (2, 2)]
+    printed = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
+    assert [each["event"] for each in printed] == ["pass", "pass", "wrote", "wrote", "wrote"]
+    assert [(each["number"], each["passes"]) for each in printed[:2]] == [(1, 2), (2, 2)]
     assert commands.execute(["render", "no.blend"]) == 1
-    told = json.loads(capfd.readouterr().out)
-    assert told == {"event": "failed", "words": "no.blend: no such file"}
+    printed = json.loads(capfd.readouterr().out)
+    assert printed == {"event": "failed", "words": "no.blend: no such file"}
 
 
 def test_a_full_standard_output_is_one_line(rendered):

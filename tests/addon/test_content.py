@@ -19,11 +19,11 @@ def cube(startup):
     return bpy.data.objects["Cube"].active_material
 
 
-def told_of(scene) -> dict:
+def shares_of(scene) -> dict:
     """{name of a spectrum, or RGB colour of three digits: its share}, without greys."""
-    told = content.content_of(scene)
-    colours = [tuple(colour) for colour in told.colours.round(3).tolist()]
-    found = dict(zip([spectrum.name for spectrum in told.reflectances] + colours, told.shares, strict=True))
+    contents = content.content_of(scene)
+    colours = [tuple(colour) for colour in contents.colours.round(3).tolist()]
+    found = dict(zip([spectrum.name for spectrum in contents.reflectances] + colours, contents.shares, strict=True))
     return {source: share for source, share in found.items() if isinstance(source, str) or len(set(source)) > 1}
 
 
@@ -68,19 +68,19 @@ def red_material():
 
 
 def test_the_room_is_told_by_its_spectra_and_what_the_camera_sees(room):
-    told = content.content_of(room)
-    shares = dict(zip([spectrum.name for spectrum in told.reflectances], told.shares, strict=False))
-    assert told.textures == 0.0
-    assert [light.name for light in told.lights] == ["A", "FL2"]
+    contents = content.content_of(room)
+    shares = dict(zip([spectrum.name for spectrum in contents.reflectances], contents.shares, strict=False))
+    assert contents.textures == 0.0
+    assert [light.name for light in contents.lights] == ["A", "FL2"]
     assert max(shares, key=shares.get) == "ColorChecker: neutral 8 (.23 D)"
     assert shares["ColorChecker: blue flower"] < 1.0  # stands behind the camera
     assert shares["ColorChecker: red"] == pytest.approx(shares["ColorChecker: blue"], rel=0.2)
 
 
 def test_textures_and_colours_are_told_apart(startup):
-    told = content.content_of(startup)
-    assert told.textures > 0.0
-    assert any(colour == pytest.approx([0.7, 0.2, 0.1]) for colour in told.colours.tolist())
+    contents = content.content_of(startup)
+    assert contents.textures > 0.0
+    assert any(colour == pytest.approx([0.7, 0.2, 0.1]) for colour in contents.colours.tolist())
 
 
 def test_a_scene_that_is_set_up_is_told_as_before(startup):
@@ -111,8 +111,10 @@ def test_greys_take_one_pass(startup):
     for thing in bpy.data.objects:
         for slot in thing.material_slots:
             slot.material = None
+    assert plan.choose(content.content_of(startup)).model.channels == 1
     setup.set_up(startup)
-    assert startup.relume.model().channels == 1
+    # one pass as well, but what is made red afterwards is red
+    assert startup.relume.model().passes == 1 and startup.relume.model().channels == 3
 
 
 def test_a_spectrum_takes_the_place_of_the_colour(startup):
@@ -135,10 +137,11 @@ def test_a_measured_metal_is_told_by_its_reflectance(startup, cube, in_a_group):
     gold = spectrum_in(tree, spectra.new_conductor("Gold", *library.conductor("gold")))
     for name in ("IOR", "Extinction"):
         tree.links.new(gold.outputs[name], metal.inputs[name])
-    told = content.content_of(startup)
-    assert [spectrum.name for spectrum in told.reflectances] == ["Gold"]
-    assert told.reflectances[0].sampled([450.0, 650.0]) == pytest.approx([0.39, 0.97], abs=0.03)  # Johnson and Christy
-    assert told_of(startup)["Gold"] > 100
+    contents = content.content_of(startup)
+    assert [spectrum.name for spectrum in contents.reflectances] == ["Gold"]
+    johnson_and_christy = pytest.approx([0.39, 0.97], abs=0.03)
+    assert contents.reflectances[0].sampled([450.0, 650.0]) == johnson_and_christy
+    assert shares_of(startup)["Gold"] > 100
 
 
 def test_a_metal_of_rgb_numbers_is_told_as_a_colour_before_and_after_set_up(startup, cube):
@@ -147,10 +150,10 @@ def test_a_metal_of_rgb_numbers_is_told_as_a_colour_before_and_after_set_up(star
     cube.node_tree.nodes.remove(cube.node_tree.nodes["Principled BSDF"])
     n, k = (metal.inputs[name].default_value[:] for name in ("IOR", "Extinction"))
     expected = tuple(fresnel.reflectance(n, k, 1.0).round(3).tolist())
-    before = told_of(startup)
+    before = shares_of(startup)
     assert before[expected] > 100
     setup.set_up(startup)
-    assert told_of(startup) == before
+    assert shares_of(startup) == before
 
 
 def test_a_spectrum_is_told_that_comes_out_of_a_group(startup, cube):
@@ -158,11 +161,11 @@ def test_a_spectrum_is_told_that_comes_out_of_a_group(startup, cube):
     inside = spectrum_in(caller.node_tree, spectra.new_reflectance(library.reflectance(RED)))
     caller.node_tree.links.new(inside.outputs[0], end.inputs[0])
     cube.node_tree.links.new(caller.outputs[0], cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"])
-    before = told_of(startup)
+    before = shares_of(startup)
     assert before[RED] > 100
     assert content.content_of(startup).textures == 0.0
     setup.set_up(startup)
-    assert told_of(startup) == before
+    assert shares_of(startup) == before
 
 
 def test_a_group_tells_each_material_of_what_that_one_puts_in(startup, cube):
@@ -180,8 +183,8 @@ def test_a_group_tells_each_material_of_what_that_one_puts_in(startup, cube):
     other.node_tree.nodes.remove(other.node_tree.nodes["Principled BSDF"])
     another.inputs["Color"].default_value = (0.1, 0.6, 0.3, 1.0)
     spectra.assign(cube, caller.inputs["Color"], spectra.new_reflectance(library.reflectance(RED)))
-    told = told_of(startup)
-    assert told[RED] > 100 and told[(0.1, 0.6, 0.3)] == 0.5
+    shares = shares_of(startup)
+    assert shares[RED] > 100 and shares[(0.1, 0.6, 0.3)] == 0.5
 
 
 @pytest.mark.parametrize(("kind", "is_known"), [("MIX", True), ("MULTIPLY", False)])
@@ -193,9 +196,9 @@ def test_a_mix_is_told_by_its_parts_if_it_only_mixes(startup, cube, kind, is_kno
     red = spectrum_in(tree, spectra.new_reflectance(library.reflectance(RED)))
     tree.links.new(red.outputs[0], mix.inputs["Color1"])
     tree.links.new(mix.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
-    told = told_of(startup)
-    assert told[RED] > 100
-    assert ((0.1, 0.6, 0.3) in told) == is_known
+    shares = shares_of(startup)
+    assert shares[RED] > 100
+    assert ((0.1, 0.6, 0.3) in shares) == is_known
     assert (content.content_of(startup).textures > 100) != is_known
 
 
@@ -204,9 +207,9 @@ def test_a_colour_that_is_not_used_is_not_told(startup, cube):
     principled.inputs["Base Color"].default_value = (0.5, 0.5, 0.5, 1.0)
     principled.inputs["Coat Tint"].default_value = (0.9, 0.2, 0.1, 1.0)
     bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
-    assert told_of(startup) == {}
+    assert shares_of(startup) == {}
     principled.inputs["Coat Weight"].default_value = 0.5
-    assert set(told_of(startup)) == {(0.9, 0.2, 0.1)}
+    assert set(shares_of(startup)) == {(0.9, 0.2, 0.1)}
 
 
 def test_an_animated_colour_may_be_any(startup, cube):
@@ -224,7 +227,7 @@ def test_a_material_that_geometry_nodes_give_is_seen(startup, cube):
     give.inputs["Material"].default_value = red_material()
     tree.links.new(source.outputs[0], give.inputs["Geometry"])
     tree.links.new(give.outputs[0], end.inputs[0])
-    assert told_of(startup)[RED] > 100
+    assert shares_of(startup)[RED] > 100
 
 
 def test_instances_of_geometry_nodes_may_show_any_of_their_materials(startup, cube):
@@ -245,7 +248,7 @@ def test_instances_of_geometry_nodes_may_show_any_of_their_materials(startup, cu
         tree.links.new(output, target)
     startup.relume.channels = "auto"
     setup.set_up(startup)
-    assert told_of(startup)[RED] > 50
+    assert shares_of(startup)[RED] > 50
 
 
 def test_materials_of_an_instanced_collection_are_told(startup, cube):
@@ -256,17 +259,17 @@ def test_materials_of_an_instanced_collection_are_told(startup, cube):
     empty = bpy.data.objects.new("empty", None)
     empty.instance_type, empty.instance_collection = "COLLECTION", collection
     startup.collection.objects.link(empty)
-    assert told_of(startup)[RED] > 100
+    assert shares_of(startup)[RED] > 100
 
 
 def test_coloured_lamps_and_worlds_are_told(startup, cube):
     background = startup.world.node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (0.1, 0.2, 0.8, 1.0)
-    before = told_of(startup)
+    before = shares_of(startup)
     assert set(before) == {(0.7, 0.2, 0.1), (1.0, 0.8, 0.5), (0.1, 0.2, 0.8)}
     assert before[(0.1, 0.2, 0.8)] > before[(1.0, 0.8, 0.5)]  # it is seen as well
     setup.set_up(startup)
-    assert told_of(startup) == before
+    assert shares_of(startup) == before
 
 
 def test_a_coloured_lamp_on_greys_takes_more_than_one_channel(startup):
@@ -285,14 +288,14 @@ def test_a_black_body_is_told_as_an_illuminant_before_it_is_in_the_mixer(startup
     bpy.data.objects["Light"].lightgroup = startup.view_layers[0].lightgroups.add(name="lamp").name
     expected = ["Planckian 3000 K", "D65"]
     for _ in range(2):
-        told = content.content_of(startup)
-        assert [light.name for light in told.lights] == expected and told.textures == 0.0
+        contents = content.content_of(startup)
+        assert [light.name for light in contents.lights] == expected and contents.textures == 0.0
         setup.set_up(startup)
     # Among daylight it has a colour
     setup.remove(startup)
     bpy.data.objects["Light"].lightgroup = ""
-    told = content.content_of(startup)
-    assert [light.name for light in told.lights] == ["D65"] and told.textures > 0.0
+    contents = content.content_of(startup)
+    assert [light.name for light in contents.lights] == ["D65"] and contents.textures > 0.0
 
 
 def test_what_the_mixer_shines_is_told_from_wherever_it_comes(startup):
@@ -311,7 +314,7 @@ def test_a_glass_with_dispersion_takes_the_channels_that_a_spectrum_needs(startu
     cube.node_tree.links.new(plain.outputs[0], surface(cube.node_tree))
     cube.node_tree.nodes.remove(cube.node_tree.nodes["Principled BSDF"])
     setup.set_up(startup)
-    assert startup.relume.model().channels == 1
+    assert startup.relume.model().passes == 1
     node = glass.replace(plain, library.glass("BK7"))
     setup.set_up(startup)
     assert startup.relume.model().channels == plan.SPECTRUM
@@ -327,11 +330,11 @@ def test_numbers_are_grey(startup, cube):
     bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
     tree, base = cube.node_tree, cube.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
     tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs["Factor"], base)
-    assert told_of(startup) == {} and content.content_of(startup).textures == 0.0
+    assert shares_of(startup) == {} and content.content_of(startup).textures == 0.0
     caller, source, end = group_in(tree, Value=("INPUT", "Float"), Color=("OUTPUT", "Color"))
     caller.node_tree.links.new(source.outputs[0], end.inputs[0])
     tree.links.new(caller.outputs[0], base)
-    assert told_of(startup) == {} and content.content_of(startup).textures == 0.0
+    assert shares_of(startup) == {} and content.content_of(startup).textures == 0.0
 
 
 def test_a_small_thing_keeps_its_colour(startup, cube):
@@ -339,7 +342,7 @@ def test_a_small_thing_keeps_its_colour(startup, cube):
     startup.relume.channels = "auto"
     bpy.data.lights["Light"].color = (1.0, 1.0, 1.0)
     bpy.data.objects["Cube"].scale = (0.1, 0.1, 0.1)
-    assert 0.0 < told_of(startup)[(0.7, 0.2, 0.1)] < 0.02 * 48 * 48
+    assert 0.0 < shares_of(startup)[(0.7, 0.2, 0.1)] < 0.02 * 48 * 48
     setup.set_up(startup)
     assert startup.relume.model().channels >= 3
 

@@ -309,10 +309,10 @@ def test_what_cannot_be_spectral_is_told(startup):
     bpy.data.materials.new("bare").node_tree.nodes.clear()
     bpy.data.objects["Cube"].data.materials.append(bpy.data.materials["bare"])
     setup.set_up(startup)
-    told = "\n".join(words(startup))
+    said = "\n".join(words(startup))
     for word in ("thin film", "melanin", "glow of this fire", "sky", "'gone' is missing", "bare: it has no output"):
-        assert word in told, word
-    assert f"Сукно, {hair.name}: melanin" in told
+        assert word in said, word
+    assert f"Сукно, {hair.name}: melanin" in said
     setup.remove(startup)
     assert words(startup) == []
 

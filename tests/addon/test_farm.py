@@ -12,7 +12,7 @@ import pytest
 from test_render import close, composite
 
 from relume.addon.cli import commands
-from relume.addon.scene import describe, exr, render, setup
+from relume.addon.scene import describe, exr, follower, render, setup
 from relume.core.colour import differences
 from relume.core.errors import CoefficientImageError
 from relume.core.picture import coefficients, description, note, recombination
@@ -349,7 +349,8 @@ def test_renamed_passes_and_an_animated_mix(tmp_path, capsys):
         row.keyframe_insert("stops", frame=frame)
     scene.frame_set(4)
     blend = tmp_path / "moving.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    with follower.held():  # it would give the pass back its name
+        bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     found = note.read(scene.render.stamp_note_text)
     assert found.animated and found.layers == [["ViewLayer", "ViewLayer 1", "renamed", "ViewLayer 3"]]
     assert found.lights[0].gain == pytest.approx(2.0**row.stops) and 0.5 < row.stops < 1.5

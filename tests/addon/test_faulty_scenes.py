@@ -45,7 +45,7 @@ def with_library(small, tmp_path):
     return link
 
 
-def told(scene) -> list[str]:
+def sentences(scene) -> list[str]:
     return [str(remark) for remark in remarks.of(scene)]
 
 
@@ -59,7 +59,7 @@ def test_a_broken_driver_is_told(small, tmp_path, expression):
     bpy.data.lights["Light"].driver_add("energy").driver.expression = expression
     bpy.context.view_layer.update()
     assert rendered(small, tmp_path).max() > 0
-    assert [words for words in told(small) if words.startswith("Light, energy: its driver cannot be worked out")]
+    assert [words for words in sentences(small) if words.startswith("Light, energy: its driver cannot be worked out")]
 
 
 def test_a_driver_that_looks_at_nothing_is_told(small, tmp_path):
@@ -68,13 +68,13 @@ def test_a_driver_that_looks_at_nothing_is_told(small, tmp_path):
     driver.expression = variable.name
     bpy.context.view_layer.update()
     assert rendered(small, tmp_path).max() > 0
-    assert [words for words in told(small) if words.startswith("Scene, cycles.seed: its driver")]
+    assert [words for words in sentences(small) if words.startswith("Scene, cycles.seed: its driver")]
 
 
 def test_things_of_a_library_that_is_gone_are_told(with_library, tmp_path):
     scene = with_library(True, objects=["Cube", "Light"])
     assert rendered(scene, tmp_path).max() > 0, "the world shines"
-    assert {words.partition(":")[0] for words in told(scene) if "library.blend cannot be found" in words} >= {
+    assert {words.partition(":")[0] for words in sentences(scene) if "library.blend cannot be found" in words} >= {
         "Cube",
         "Light",
     }
@@ -116,7 +116,7 @@ def test_a_view_layer_without_collections_is_told(small, tmp_path):
     for thing in list(small.collection.objects):
         thing.hide_render = True
     assert rendered(small, tmp_path).max() > 0, "the world shines"
-    assert [words for words in told(small) if words.startswith("empty: no object is in this view layer")]
+    assert [words for words in sentences(small) if words.startswith("empty: no object is in this view layer")]
 
 
 def test_several_views_are_refused_before_the_render(small, tmp_path):

@@ -192,8 +192,8 @@ def test_names_of_light_groups(room, tmp_path, names, expected):
     room.relume.light_groups.clear()
     setup.set_up(room, bases.fitted(3))
     assert sorted(row.name for row in room.relume.light_groups) == sorted(expected)
-    told = {remark.owner for remark in remarks.of(room)}
-    assert {name for name in names if name and name not in expected} == told
+    owners = {remark.owner for remark in remarks.of(room)}
+    assert {name for name in names if name and name not in expected} == owners
     image = render.render(room, tmp_path).image
     lit = dict(zip(image.groups, room.relume.lights(), strict=True))
     assert close(composite(room, tmp_path / "composite.exr"), render.picture(image, lit), 1e-3)

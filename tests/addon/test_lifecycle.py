@@ -85,11 +85,11 @@ def test_save_and_load_between(startup, tmp_path):
     bpy.ops.wm.open_mainfile(filepath=path)
     before = dump()
     setup.set_up(bpy.context.scene)
-    told = remarks.of(bpy.context.scene)
+    noted = remarks.of(bpy.context.scene)
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     scene = bpy.context.scene
-    assert scene.relume.is_set_up and remarks.of(scene) == told
+    assert scene.relume.is_set_up and remarks.of(scene) == noted
     setup.remove(scene)
     assert [d for d in differences(before, dump()) if "filepath" not in d] == []
 

@@ -16,7 +16,7 @@ from relume.addon.store import mixer
 from relume.core.model import bases
 from relume.core.picture import coefficients, mixing, recombination, sequences
 from relume.core.picture.mix import Light, Mix
-from relume.core.spectra import library
+from relume.core.spectra import files, library
 
 
 @pytest.fixture
@@ -89,7 +89,7 @@ def test_every_kind_of_illuminant_reaches_the_sockets(ready, tmp_path):
         ("4OO,0.5\n500,0.6\n", "line 1: '4OO' is not a number"),
     ],
 )
-def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_path, text, words):
+def test_a_file_that_is_no_illuminant_changes_nothing_and_is_named(ready, tmp_path, text, words):
     row = ready.relume.light_groups[0]
     good, bad = tmp_path / "good.csv", tmp_path / "bad.csv"
     good.write_text("nm,power\n400,1\n700,2\n")
@@ -102,7 +102,7 @@ def test_a_file_that_is_no_illuminant_changes_nothing_and_is_told(ready, tmp_pat
     assert row.origin == row.label == "good.csv"
 
 
-def test_how_a_file_was_read_is_told(ready, tmp_path):
+def test_how_a_file_was_read_is_shown(ready, tmp_path):
     row, path = ready.relume.light_groups[0], tmp_path / "lamp.csv"
     assert row.origin == ready.relume.observer_origin == ""
     path.write_text("wavelength in µm;power\n0,40;-0,01\n0,70;2,5\n", encoding="latin-1")
@@ -117,6 +117,25 @@ def test_how_a_file_was_read_is_told(ready, tmp_path):
     ready.relume.observer_path = str(path)
     assert "an observer or camera has three" in ready.relume.problem
     assert np.array_equal(sockets(ready), before)
+
+
+def test_a_snapshot_holds_what_its_files_held(ready, tmp_path, monkeypatch):
+    """No file is read to apply it: there may be none any more."""
+    row, settings, path = ready.relume.light_groups[0], ready.relume, tmp_path / "three.csv"
+    path.write_text("nm\tr\tg\tb\n400\t0.1\t0.2\t0.3\n700\t0.3\t0.2\t0.1\n")
+    settings.observer_path, settings.observer = str(path), "FILE"
+    (tmp_path / "lamp.csv").write_text("nm,power\n400,1\n700,2\n")
+    row.path, row.source = str(tmp_path / "lamp.csv"), "FILE"
+    bpy.ops.relume.take_snapshot()
+    before = sockets(ready)
+    row.path, row.source, settings.observer_path, settings.observer = "", "LIBRARY", "", "CIE 1931 2°"
+    assert not np.array_equal(sockets(ready), before)
+    read = []
+    monkeypatch.setattr(files, "illuminant", lambda path: read.append(path) or library.illuminant("A"))
+    monkeypatch.setattr(files, "observer", lambda path: read.append(path) or [])
+    assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert not read
+    assert settings.problem == "" and np.array_equal(sockets(ready), before)
 
 
 def test_white_balance_to_a_group_to_a_pixel_and_in_part(ready):

@@ -73,7 +73,7 @@ def test_a_snapshot_that_lacks_fields_takes_their_defaults(old):
 
 
 @pytest.mark.parametrize("mix", ["", "{", "[]", '{"version": 1}', '{"light_groups": {}}'])
-def test_a_damaged_snapshot_is_told(old, mix):
+def test_a_damaged_snapshot_is_named(old, mix):
     old.relume.snapshots[0].mix = mix
     before = mixer.choices(old.relume)
     for operator in (bpy.ops.relume.apply_snapshot, bpy.ops.relume.compare):

@@ -51,8 +51,8 @@ def test_a_stopped_report_goes_on_where_it_was(reported, capfd):
     next((folder / "renders").glob("6_channels-*.json")).unlink()
     capfd.readouterr()
     assert commands.execute(arguments) == 0
-    told = capfd.readouterr().err
-    assert "6 channels" in told and "RGB" not in told
+    printed = capfd.readouterr().err
+    assert "6 channels" in printed and "RGB" not in printed
     after = rows_of(folder)
     assert after["RGB"] == before["RGB"]
     assert after["6 channels"]["model"] == before["6 channels"]["model"]
@@ -70,9 +70,9 @@ def test_what_is_damaged_is_named_and_made_again(reported, capfd):
         (folder / "renders" / ".relume-00000000-00000000.lock").touch()
         capfd.readouterr()
         assert commands.execute(arguments) == 0
-        told = [line for line in capfd.readouterr().err.splitlines() if line.startswith("relume: ")]
-        assert f"{image}: damaged, and made again" in told[0] and f"{row}: damaged, and made again" in told[1]
-        assert told[2:] == ["relume: 3 passes to render"]
+        printed = [line for line in capfd.readouterr().err.splitlines() if line.startswith("relume: ")]
+        assert f"{image}: damaged, and made again" in printed[0] and f"{row}: damaged, and made again" in printed[1]
+        assert printed[2:] == ["relume: 3 passes to render"]
         assert image.read_bytes() == whole
     assert rows_of(folder)["RGB"]["model"] == before["RGB"]["model"]
     assert not [path for path in folder.rglob(".*") if "00000000" not in path.name]
@@ -96,8 +96,8 @@ def test_a_killed_report_leaves_nothing_that_a_rerun_does_not_mend(reported, tmp
         process.stderr.close()
     assert commands.execute([*arguments[:-1], str(other)]) == 0
     assert {path.name: path.read_bytes() for path in other.rglob("*.exr")} == expected
-    assert {row: told["model"] for row, told in rows_of(other).items()} == {
-        row: told["model"] for row, told in rows_of(folder).items()
+    assert {name: row["model"] for name, row in rows_of(other).items()} == {
+        name: row["model"] for name, row in rows_of(folder).items()
     }
     assert not list(other.rglob(".*"))
 
@@ -169,10 +169,10 @@ def test_what_was_left_out_and_what_it_would_cost(room):
     bpy.data.materials.new("unseen").use_fake_user = True
     setup.set_up(room)
     passes = room.relume.model().passes
-    told = {row.what: row.cost for row in left_out.work_out(room)}
-    finer = next(iter(told))
+    costs = {row.what: row.cost for row in left_out.work_out(room)}
+    finer = next(iter(costs))
     assert int(finer.split()[0]) == 3 * (passes + 1), "the next model has a pass more"
-    assert told[finer].startswith("1 more pass and") and "ΔE 0." in told[finer]
-    assert f"{12 - passes} more passes" in told["the reference, 36 bands"]
-    assert "MB" in told["2 other render passes, in all view layers but the first"]
-    assert "1 material that this scene does not show" in told
+    assert costs[finer].startswith("1 more pass and") and "ΔE 0." in costs[finer]
+    assert f"{12 - passes} more passes" in costs["the reference, 36 bands"]
+    assert "MB" in costs["2 other render passes, in all view layers but the first"]
+    assert "1 material that this scene does not show" in costs

@@ -110,10 +110,10 @@ def test_share_as_web_page_writes_what_is_relit(here):
                 bpy.ops.relume.share_as_web_page(filepath=str(here / "nowhere" / "page.html"), size=16)
     finally:
         bpy.data.scenes.remove(scene)
-    told = data(here / "page.html")
-    groups = told["pictures"][0]["groups"]
-    assert [told["lamps"][each["lamp"]]["name"] for each in groups] == ["FL2", "Mercury"]
-    assert groups[1]["gain"] == pytest.approx(2.0) and told["pictures"][0]["size"] == [16, 12]
+    shared = data(here / "page.html")
+    groups = shared["pictures"][0]["groups"]
+    assert [shared["lamps"][each["lamp"]]["name"] for each in groups] == ["FL2", "Mercury"]
+    assert groups[1]["gain"] == pytest.approx(2.0) and shared["pictures"][0]["size"] == [16, 12]
 
 
 def test_a_mix_that_was_copied_is_pasted(here):

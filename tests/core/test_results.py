@@ -219,8 +219,8 @@ def test_many_processes_add_to_one_file_and_none_is_lost(tmp_path):
         "path = pathlib.Path(sys.argv[1])\n"
         "for i in range(20):\n"
         "    with results.claim(path, lambda: None):\n"
-        "        told = json.loads(path.read_text()) if path.exists() else []\n"
-        "        results.write_text(path, json.dumps([*told, f'{sys.argv[2]} {i}']))\n"
+        "        lines = json.loads(path.read_text()) if path.exists() else []\n"
+        "        results.write_text(path, json.dumps([*lines, f'{sys.argv[2]} {i}']))\n"
     )
     path = tmp_path / "summary.json"
     running = [subprocess.Popen([sys.executable, "-c", add, path, str(n)]) for n in range(4)]

@@ -130,9 +130,9 @@ def test_names_mean_nothing_to_html(tmp_path):
     assert "<img" not in text
     data = re.search(r'<script type="application/json" id="data">(.*?)</script>', text)[1]
     assert not set("<>&\u2028\u2029\u202e") & set(data)
-    told = json.loads(data)
-    assert told["title"] == told["pictures"][0]["name"] == told["pictures"][0]["groups"][0]["name"] == HOSTILE
-    assert told["lamps"][1]["name"] == HOSTILE and told["lamps"][1]["own"]
+    content = json.loads(data)
+    assert content["title"] == content["pictures"][0]["name"] == content["pictures"][0]["groups"][0]["name"] == HOSTILE
+    assert content["lamps"][1]["name"] == HOSTILE and content["lamps"][1]["own"]
 
 
 def test_a_page_needs_nothing_else(tmp_path):

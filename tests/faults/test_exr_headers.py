@@ -268,9 +268,9 @@ def check_picture(path, image):
     text = _attribute(path, "relume")
     if text is not None:
         said = json.loads(text)
-        told = header.to_dict(image)
+        written = header.to_dict(image)
         for field in ("groups", "space", "white_balance", "white_balance_method", "model", "gains", "white"):
-            assert field not in said or _same(said[field], told[field]), field
+            assert field not in said or _same(said[field], written[field]), field
     matrices = image.matrices()
     assert np.isfinite(matrices).all()
     assert np.isfinite(coefficients.recombine(list(image.groups.values()), matrices)).all()

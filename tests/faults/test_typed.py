@@ -80,8 +80,8 @@ def test_frames_and_their_sequence(scene, settle):
     ]
     ended = _done("relume relight 'room_####.exr' --light tungsten=D50 --out 'relit_##.png'", scene)
     assert ended.out.split() == ["relit_01.png", "relit_02.png", "relit_03.png"]
-    told = json.loads((scene / "summary.json").read_text(encoding="utf-8"))
-    assert [frame["frame"] for frame in told["frames"]] == [1, 2, 3]
+    summary = json.loads((scene / "summary.json").read_text(encoding="utf-8"))
+    assert [frame["frame"] for frame in summary["frames"]] == [1, 2, 3]
     settle(outcome.RIGHT, 2)
 
 

@@ -13,7 +13,8 @@ Fixtures
 `window(source, *arguments)`
     Runs a script in a real window and returns its pictures. The script defines `steps()`, a generator that runs in
     Blender with the window as its context: it yields a file name to have the window photographed as it then looks,
-    or nothing to let Blender redraw; an exception fails the test. `arguments` are Blender's, such as a .blend to open.
+    or nothing to let Blender redraw; an exception fails the test, and so does a picture that shows nothing, or nothing
+    new. `arguments` are Blender's, such as a .blend to open.
 
         def test_panel(window):
             pictures = window('''
@@ -31,6 +32,7 @@ import shlex
 import subprocess
 import sys
 import textwrap
+from itertools import pairwise
 from pathlib import Path
 
 import OpenImageIO as oiio
@@ -112,10 +114,12 @@ def window(blender_app, tmp_path):
         script.write_text(textwrap.dedent(source))
         # The driver comes first: it is the value of the command's last word.
         blender_app.check(DRIVER, *arguments, command=blender_app.window_command(), WINDOW_STEPS=str(script))
-        pictures = {path.name: path for path in sorted(tmp_path.glob("*.png"))}
-        for name, path in pictures.items():
-            assert _contrast(path) > 0.05, f"{name} shows nothing"
-        return pictures
+        taken = sorted(tmp_path.glob("*.png"), key=lambda path: path.stat().st_mtime_ns)
+        for path in taken:
+            assert _contrast(path) > 0.05, f"{path.name} shows nothing"
+        for before, after in pairwise(taken):
+            assert before.read_bytes() != after.read_bytes(), f"{after.name} shows what {before.name} does"
+        return {path.name: path for path in sorted(taken)}
 
     return run
 

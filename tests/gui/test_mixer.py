@@ -97,7 +97,7 @@ def groups():
 
 
 def test_choose_a_lamp_solo_undo_snapshot_save_and_reopen(window, tmp_path):
-    pictures = window(
+    window(
         STEPS
         + f"""
 SAVED = {str(tmp_path / "saved.blend")!r}
@@ -154,11 +154,10 @@ def steps():
         ROOM,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 6
 
 
 def test_the_light_dial_and_the_spectrum_under_the_cursor(window):
-    pictures = window(
+    window(
         STEPS
         + """
 def steps():
@@ -194,7 +193,6 @@ def steps():
         ROOM,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 3
 
 
 @pytest.mark.parametrize("theme", ["dark", "light"])
@@ -257,7 +255,7 @@ def steps():
 
 
 def test_the_render_that_is_there_becomes_a_web_page(window, tmp_path):
-    pictures = window(
+    window(
         STEPS
         + f"""
 def steps():
@@ -276,6 +274,5 @@ def steps():
         ROOM,
         "--enable-event-simulate",
     )
-    assert len(pictures) == 1
     page = (tmp_path / "room.html").read_text(encoding="utf-8")
     assert '"name":"room"' in page and '"name":"Mercury"' in page and 'id="plane11"' in page

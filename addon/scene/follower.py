@@ -1,0 +1,248 @@
+"""Following the artist: a scene that is set up is brought in line with every edit, while nobody waits for it.
+
+Blender says which data-blocks changed (`notice`); once the artist pauses, `tick` looks at those alone, and only where
+an edit reaches further at the whole scene, a slice at a time. `settle` looks at everything at once: before a render and
+before a file is saved. Nothing here makes a step of undo: each step brings back what was there when it was made, and
+following does its work again.
+"""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field
+
+import bpy
+
+from ...core.errors import RelumeError
+from ...core.picture import plan
+from ..graph import nodes, sockets
+from ..host.console import LOG
+from ..store import mixer, properties
+from . import content, faults, rows, setup, view_layers
+from .shading import Shown, matters
+
+__all__ = ["follow", "followed", "forget", "held", "notice", "settle", "tick"]
+
+_PAUSE = 0.25  # seconds without an edit, after which the artist pauses
+_SLICE = 0.01  # seconds of work at a time
+_SHADING = (bpy.types.ShaderNodeTree, bpy.types.Material, bpy.types.World, bpy.types.Light)
+# What says nothing of shading, light groups or settings that its objects do not say
+_NO_MATTER = (bpy.types.Mesh, bpy.types.Curve, bpy.types.Camera, bpy.types.Image, bpy.types.Text)
+
+
+@dataclass
+class _Noticed:
+    """What was edited and has not been followed.
+
+    owners: of node trees. settings: of a scene or its compositing. everything: more than those. content: what a plan
+    depends on may have changed since it was made. at: when the last edit was. work: what is under way.
+    """
+
+    owners: dict = field(default_factory=dict)
+    settings: bool = False
+    everything: bool = False
+    content: bool = True
+    at: float = 0.0
+    work: Iterator | None = None
+
+    def is_any(self) -> bool:
+        return bool(self.owners) or self.settings or self.everything or self.work is not None
+
+    def done(self) -> None:
+        self.owners, self.settings, self.everything, self.work = {}, False, False, None
+
+
+_shown: dict[int, Shown] = {}  # by the scene's session_uid: what was found when it was looked at last
+_noticed = _Noticed()
+_held = 0
+
+
+def followed() -> list:
+    """The scenes of the file that are set up, and can be changed now."""
+    scenes = bpy.data.scenes if not _held else ()
+    return [s for s in scenes if s.relume.shades and s.is_editable and s.override_library is None]
+
+
+def forget() -> bool:
+    """Look at all scenes again: what was known of them is gone after undo, or when a file was read. Returns whether
+    there is anything to follow."""
+    _shown.clear()
+    _noticed.done()
+    _noticed.everything = _noticed.content = bool(followed())
+    _noticed.at = time.monotonic()
+    return _noticed.everything
+
+
+def notice(scene, depsgraph) -> bool:
+    """Take note of what Blender says has changed; returns whether there is anything to follow."""
+    shown = _shown.get(scene.session_uid)
+    known = shown.things if shown else {}
+    for update in depsgraph.updates:
+        block = update.id.original
+        if isinstance(block, _SHADING):
+            _noticed.owners[block] = None
+        elif isinstance(block, bpy.types.Scene | bpy.types.CompositorNodeTree):
+            _noticed.settings = True
+            continue
+        elif isinstance(block, _NO_MATTER) or known.get(block.session_uid) == matters_of(block):
+            continue
+        else:
+            _noticed.everything = True
+        _noticed.content = True
+    if _noticed.is_any():
+        _noticed.at, _noticed.work = time.monotonic(), None
+    return _noticed.is_any()
+
+
+def matters_of(block) -> tuple | None:
+    return matters(block) if isinstance(block, bpy.types.Object) else None
+
+
+def tick() -> float | None:
+    """Timer: follow what was noticed once the artist pauses; returns the seconds until it is to run again."""
+    waited = time.monotonic() - _noticed.at
+    if not _noticed.is_any():
+        return None
+    if waited < _PAUSE:
+        return _PAUSE - waited
+    if bpy.app.is_job_running("RENDER") or mixer.is_quiet():
+        return _PAUSE
+    return _SLICE if _work_on(time.monotonic() + _SLICE) else None
+
+
+def follow() -> None:
+    """Follow at once all that was noticed, as `tick` does by and by. Leaves what an artist may just be choosing."""
+    if _noticed.is_any():
+        _work_on(float("inf"))
+
+
+def _work_on(until: float) -> bool:
+    """Follow until a time is reached; whether anything is left to do."""
+    try:
+        with mixer.quiet():
+            _noticed.work = _noticed.work or _follow()
+            while next(_noticed.work, _DONE) is not _DONE:
+                if time.monotonic() > until:
+                    return True
+    except ReferenceError:  # a data-block went away meanwhile
+        return forget()
+    except Exception as error:
+        _report(error)
+    _noticed.done()
+    return False
+
+
+_DONE = object()
+
+
+@contextmanager
+def held() -> Iterator[None]:
+    """While it is entered nothing is followed: Relume itself changes settings for a while."""
+    global _held
+    _held += 1
+    try:
+        yield
+    finally:
+        _held -= 1
+
+
+def _report(error: Exception) -> None:
+    LOG.error("following the scene failed", exc_info=error)
+    for scene in followed():
+        scene.relume["problem"] = f"the last edit could not be followed: {error}"
+
+
+def _follow() -> Iterator[None]:
+    """Bring every scene in line with what was noticed, gently, yielding where there may be a pause."""
+    owners, everywhere = list(_noticed.owners), _noticed.everything
+    for scene in followed():
+        shown = _shown.get(scene.session_uid)
+        if everywhere or shown is None or not all(_is_alone(shown, owner) for owner in owners):
+            yield from _follow_all(scene)
+            continue
+        for owner in owners:
+            if owner in shown.shadings and shown.patch([owner], gentle=True):
+                shown.note_remarks(scene)
+            yield
+        if _noticed.settings:
+            setup.put_passes(scene, scene.relume.model(), [row.name for row in scene.relume.lit])
+            setup.relight(scene)
+            yield
+    nodes.clear_orphans()
+    _redraw()
+
+
+def _is_alone(shown: Shown, owner) -> bool:
+    """Whether an edit of a node tree reaches no further than the tree: no lamp, no shine, no node group."""
+    if owner not in shown.shadings:
+        known = isinstance(owner, bpy.types.NodeTree) and owner.is_embedded_data  # as its owner
+        return known or bool(owner.get(nodes.ROLE)) or owner.library is not None
+    tree = shown.shadings[owner].tree
+    if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or owner in shown.emitting or sockets.emits(tree):
+        return False
+    return len(shown.parts[owner]) == 1 and not any(n.type == "GROUP" and not nodes.role(n) for n in tree.nodes)
+
+
+def _follow_all(scene) -> Iterator[None]:
+    """Bring a scene in line, whatever was edited."""
+    if not _is_carried(scene):
+        setup.remove(scene)
+        return
+    try:
+        faults.check(scene)
+    except RelumeError as error:
+        scene.relume["problem"] = str(error)
+        return
+    _shown[scene.session_uid] = yield from setup.bring_in_line(
+        scene, scene.relume.model(), rows.members_of(scene), gentle=True
+    )
+
+
+def _is_carried(scene) -> bool:
+    """Whether a scene carries what it says it does: one that was made with the settings of another has only those."""
+    return bool(view_layers.preview_layers(scene) or view_layers.pass_layers(scene))
+
+
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
+
+
+def settle(scene, renders: bool = False) -> None:
+    """Bring a scene in line at once and wholly, as setting it up afresh with its model would. Never raises.
+
+    Where Relume chooses the channels, and those that it chose no longer do for what the scene shows, it gets others.
+    renders: Blender begins to render, and no data-block may go away.
+    """
+    try:
+        with nodes.orphans_stay() if renders else nullcontext():
+            if _is_carried(scene):
+                setup.update(scene)
+                _plan_again(scene)
+            elif not renders:
+                setup.remove(scene)
+    except RelumeError as error:
+        scene.relume["problem"] = str(error)
+    except Exception as error:
+        _report(error)
+
+
+def _plan_again(scene) -> None:
+    """Give a scene another model where its own is no longer within the tolerance."""
+    kept, model = setup.plan_of(scene), scene.relume.model()
+    if "content" not in kept or model.is_reference or not (_noticed.content or bpy.app.background):
+        return
+    _noticed.content = False
+    shows = content.content_of(scene)
+    if content.checksum(shows) == kept["content"]:
+        return
+    kept["content"] = content.checksum(shows)
+    error, worst = plan.predict(model, shows)
+    if error > scene.relume.tolerance:
+        found = setup.planned(scene, shows)
+        setup.update(scene, found.model)
+        why = f"{worst} would have come out with ΔE {error:.2g}"
+        kept |= {"reason": found.reason, "changed": f"the scene has changed: {why}; {found.model.passes} passes now"}
+        LOG.info("scene %r: %s", scene.name, kept["changed"])
+    scene[properties.PLAN] = kept
