@@ -187,18 +187,18 @@ def _share(name: str, materials: Mapping[str, Array], surface: Array) -> float:
             colour = coefficients_under(surface, covered)
             towards[each] = colour - colour.mean()
             weights[each] = float(np.sum(covered) * np.linalg.norm(towards[each]))
-    length = np.linalg.norm(towards[name])
+    length = float(np.linalg.norm(towards[name]))
     alike = [
         weights[each]
         for each, other in towards.items()
         if towards[name] @ other > NEIGHBOURS * length * np.linalg.norm(other)
     ]
-    return weights[name] / sum(alike) if alike else 1.0
+    return weights[name] / float(np.sum(alike)) if alike else 1.0
 
 
 def _alike(old: Array) -> bool:
     """Whether light that has met a material of coefficients (p,) has the shape of light that has not."""
-    return bool(1.0 - old.sum() ** 2 / max(len(old) * (old @ old), 1e-12) < ALIKE)
+    return bool(1.0 - old.sum() ** 2 / (len(old) * float(old @ old) + 1e-12) < ALIKE)
 
 
 def _light(values: Array, surface: Array, covered: Array, old: Array, mirrors: bool) -> tuple:
