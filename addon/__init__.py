@@ -16,13 +16,23 @@ def _modules():
         material_panel,
         operators,
         palette_assign,
+        palette_demands,
         palette_entries,
         palette_operators,
         palette_panel,
+        palette_trial,
         panels,
     )
 
-    palettes = (palette, palette_operators, palette_entries, palette_assign, palette_panel)
+    palettes = (
+        palette,
+        palette_operators,
+        palette_demands,
+        palette_entries,
+        palette_assign,
+        palette_trial,
+        palette_panel,
+    )
     return properties, icons, operators, panels, *palettes, material_panel, handlers, commands
 
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import bpy
 
-from ..addon.cli.jobs import Progress
 from ..addon.graph import glass
 from ..addon.host import denoising
+from ..addon.host.console import Progress
 from ..addon.scene import render, setup
 from ..core.colour import spaces
 from ..core.model import bases

@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ..addon.cli.jobs import Progress
+from ..addon.host.console import Progress
 from ..addon.scene import render, render_settings, setup
 from ..assets import make_room
 from ..core.colour import differences

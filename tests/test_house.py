@@ -44,3 +44,19 @@ def test_the_core_gives_the_names_of_the_first_version():
     given: dict = {}
     exec("from relume.core import *", given)
     assert given.keys() >= set(names.split())
+
+
+IMPORT_ALL = """
+import importlib, os, pkgutil
+import relume.assets, relume.benchmarks
+for room in (relume.assets, relume.benchmarks):
+    for module in pkgutil.iter_modules(room.__path__, room.__name__ + "."):
+        importlib.import_module(module.name)
+os._exit(0)  # bpy says much when it ends
+"""
+
+
+def test_what_no_other_test_runs_can_be_imported():
+    pytest.importorskip("bpy")
+    done = subprocess.run([sys.executable, "-c", IMPORT_ALL], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

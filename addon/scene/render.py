@@ -27,13 +27,15 @@ class Rendered:
     """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass.
 
     guides: what the denoiser may look at in each pass, as `denoise.denoised` takes it; empty if it was not asked for.
-    surface: (height, width, p) coefficients of what each pixel sees first, where the scene's passes carry them.
+    surface: (height, width, p) coefficients of what each pixel sees first, where the scene's passes carry them, and
+    materials: {name: (height, width)}, the part of each pixel that is that material.
     """
 
     image: CoefficientImage
     times: dict[str, dict[str, float]]
     guides: tuple[dict[str, np.ndarray], ...] = ()
     surface: np.ndarray | None = None
+    materials: dict[str, np.ndarray] | None = None
 
 
 def render(
@@ -60,7 +62,8 @@ def render(
         try:
             found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
-            surface = surfaces.read(path, scene) if surfaces.AOV in layers[0].aovs else None
+            carried = surfaces.carried(scene)
+            seen = (surfaces.read(path, scene), surfaces.read_materials(path, scene)) if carried else (None, None)
             times = coefficients.read_render_times(path, names)
         except CoefficientImageError as error:
             # Blender says nothing when it cannot write the whole of a file
@@ -68,7 +71,7 @@ def render(
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({reason})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = view_layers.samples_of(layer, scene)
-    return Rendered(replace(said, groups=channels, alpha=alpha), times, found, surface)
+    return Rendered(replace(said, groups=channels, alpha=alpha), times, found, *seen)
 
 
 def described(scene) -> CoefficientImage:

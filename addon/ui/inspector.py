@@ -2,6 +2,9 @@
 
 import json
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -11,27 +14,66 @@ from bpy.types import Area, Operator
 from ...core.errors import RelumeError
 from ...core.picture import coefficients, inspection
 from ...core.picture.coefficients import CoefficientImageError
-from ..scene import view_layers
+from ..scene import surfaces, view_layers
 from ..store import mixes
-from . import overlay
+from . import overlay, palette_assign
 from .mixer_operators import NeedsSetUp
 
-__all__ = ["CLASSES"]
+__all__ = ["CLASSES", "Picking", "Surfaces", "coefficients_of", "saved_render", "seen_by"]
+
+_SURFACE = (1.0, 0.75, 0.2, 1.0)  # colour of the curve of what the surface reflects
 
 
 def coefficients_of(context) -> dict[str, np.ndarray]:
-    """({light group: (height, width, p)}) of what the Image Editor of this context shows. Raises CoefficientImageError.
-
-    A render is written to a temporary file and read back: Blender gives no other way to its passes.
-    """
-    scene = context.scene
-    if scene.relume.exr:
+    """{light group: (height, width, p)} of what an Image Editor of this context shows. Raises CoefficientImageError."""
+    if context.scene.relume.exr:
         from ..scene import exr
 
-        return exr.read_current(scene).groups
+        return exr.read_current(context.scene).groups
+    with saved_render(context) as path:
+        return _groups_in(path, context.scene)
+
+
+def _groups_in(path: Path, scene) -> dict[str, np.ndarray]:
     layers = [layer.name for layer in next(iter(view_layers.pass_layers(scene).values()))]
     groups = [row.name for row in scene.relume.lit]
-    settings = scene.render.image_settings
+    return coefficients.read_render(path, scene.relume.model(), layers, groups)[0]
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """What each pixel sees first. surface: (height, width, p) coefficients. materials: {name: (height, width) part}."""
+
+    surface: np.ndarray
+    materials: dict[str, np.ndarray]
+
+    def at(self, x: int, y: int) -> tuple[str, list[float]]:
+        """The material that has most of a pixel, "" for none, and the coefficients there."""
+        parts = {name: float(part[y, x]) for name, part in self.materials.items()}
+        name = max(parts, key=parts.__getitem__, default="")
+        return (name if parts.get(name, 0.0) > 0.0 else ""), self.surface[y, x].tolist()
+
+
+def seen_by(context) -> tuple[dict[str, np.ndarray], Surfaces | None]:
+    """What `coefficients_of` returns, and the Surfaces of the same render, None where it carried none."""
+    if context.scene.relume.exr:
+        return coefficients_of(context), None
+    with saved_render(context) as path:
+        groups = _groups_in(path, context.scene)
+        try:
+            found = Surfaces(surfaces.read(path, context.scene), surfaces.read_materials(path, context.scene))
+        except CoefficientImageError:
+            found = None
+        return groups, found
+
+
+@contextmanager
+def saved_render(context) -> Iterator[Path]:
+    """The render that the Image Editor of this context shows, as a temporary file.
+
+    Blender gives no other way to its passes. Raises CoefficientImageError.
+    """
+    settings = context.scene.render.image_settings
     wanted = {"media_type": "MULTI_LAYER_IMAGE", "file_format": "OPEN_EXR_MULTILAYER", "color_depth": "32"}
     before = {name: getattr(settings, name) for name in wanted}
     with tempfile.TemporaryDirectory() as folder:
@@ -45,7 +87,7 @@ def coefficients_of(context) -> dict[str, np.ndarray]:
         finally:
             for name, value in before.items():
                 setattr(settings, name, value)
-        return coefficients.read_render(path, scene.relume.model(), layers, groups)[0]
+        yield path
 
 
 def picture_editor(context) -> Area | None:
@@ -57,7 +99,7 @@ def picture_editor(context) -> Area | None:
     return None
 
 
-class _Picking(NeedsSetUp):
+class Picking(NeedsSetUp):
     """A modal operator in the Image Editor that knows the coefficients under the cursor."""
 
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
@@ -76,7 +118,7 @@ class _Picking(NeedsSetUp):
         self.region = next(region for region in self.area.regions if region.type == "WINDOW")
         try:
             with context.temp_override(area=self.area, region=self.region):
-                self.images = coefficients_of(context)
+                self.images, self.surfaces = seen_by(context)
             self.begin(context)
         except (RelumeError, OSError) as error:
             self.report({"ERROR"}, str(error))
@@ -90,12 +132,15 @@ class _Picking(NeedsSetUp):
 
     def pixel(self, event) -> list[list[float]] | None:
         """(groups, p) coefficients under the cursor, None beside the picture."""
+        place = self.place(event)
+        return place and [image[place[1], place[0]].tolist() for image in self.images.values()]
+
+    def place(self, event) -> tuple[int, int] | None:
+        """Column and row of the pixel under the cursor, None beside the picture."""
         u, v = self.region.view2d.region_to_view(event.mouse_x - self.region.x, event.mouse_y - self.region.y)
         height, width, _ = next(iter(self.images.values())).shape
         x, y = int(u * width // 1), int((1.0 - v) * height // 1)
-        if not (0 <= x < width and 0 <= y < height):
-            return None
-        return [image[y, x].tolist() for image in self.images.values()]
+        return (x, y) if 0 <= x < width and 0 <= y < height else None
 
     def end(self, context, result: set[str]) -> set[str]:
         context.window.cursor_modal_restore()
@@ -103,7 +148,7 @@ class _Picking(NeedsSetUp):
         return result
 
 
-class PickWhite(_Picking, Operator):
+class PickWhite(Picking, Operator):
     """Click a spot of the picture: it becomes white, whatever the light is changed to"""
 
     bl_idname = "relume.pick_white"
@@ -124,7 +169,7 @@ class PickWhite(_Picking, Operator):
         return {"RUNNING_MODAL"}
 
 
-class InspectPixels(_Picking, Operator):
+class InspectPixels(Picking, Operator):
     """Show the spectrum under the cursor. Click a second spot to compare with; Esc ends"""
 
     bl_idname = "relume.inspect"
@@ -132,7 +177,7 @@ class InspectPixels(_Picking, Operator):
     bl_options = {"REGISTER", "BLOCKING"}
 
     def begin(self, context) -> None:
-        self.shown = self.pinned = None
+        self.shown = self.pinned = self.reflected = None
         self.words = []
         settings = context.scene.relume
         self.model, self.mix = settings.model(), mixes.of(settings)
@@ -148,16 +193,33 @@ class InspectPixels(_Picking, Operator):
         if event.type in {"MOUSEMOVE", "LEFTMOUSE"}:
             found = self.pixel(event)
             self.shown = found and inspection.inspect(self.model, self.mix, found)
+            self.material, self.reflected = self._surface(event)
             if event.type == "LEFTMOUSE" and event.value == "PRESS":
                 self.pinned = self.shown
             self.words = self._words()
             self.area.tag_redraw()
         return {"RUNNING_MODAL"}
 
+    def _surface(self, event) -> tuple:
+        """Name of the material under the cursor and its spectrum (81,), None where the render carries no surfaces."""
+        place = self.place(event)
+        if self.surfaces is None or place is None:
+            return "", None
+        name, carried = self.surfaces.at(*place)
+        if not any(carried):
+            return name, None
+        material = bpy.data.materials.get(name)
+        known = (
+            palette_assign.reflectance_of(material) if material and palette_assign.takes_spectrum(material) else None
+        )
+        return name, inspection.reflectance(self.model, carried, known)
+
     def _words(self) -> list[str]:
         if self.shown is None:
             return ["beside the picture"]
         words = ["XYZ  " + "  ".join(f"{value:.4f}" for value in self.shown.xyz)]
+        if self.material:
+            words.append(f"{self.material}: " + inspection.range_of(self.reflected))
         if self.pinned is not None:
             apart = inspection.difference(self.model, self.mix, self.shown, self.pinned)
             words.append(f"ΔE2000 to the clicked spot  {apart:.2f}")
@@ -169,10 +231,13 @@ class InspectPixels(_Picking, Operator):
 
         scale = bpy.context.preferences.system.ui_scale
         left, bottom, width, height = 20 * scale, 20 * scale, 300 * scale, 110 * scale
-        overlay.rectangle(left - 8 * scale, bottom - 8 * scale, width + 16 * scale, height + 62 * scale)
+        overlay.rectangle(left - 8 * scale, bottom - 8 * scale, width + 16 * scale, height + 78 * scale)
         overlay.spectrum(self.shown.spectrum, left, bottom + 16 * scale, width, height)
         if self.pinned is not None:
             overlay.line(self.pinned.spectrum, left, bottom + 16 * scale, width, height)
+        if self.reflected is not None:
+            # Of what the surface reflects, 1 is the top
+            overlay.line(np.clip(self.reflected, 0.0, 1.0), left, bottom + 16 * scale, width, height, _SURFACE)
         overlay.text("380 nm", left, bottom, scale)
         overlay.text("780 nm", left + width - 44 * scale, bottom, scale)
         for number, words in enumerate(reversed(self.words)):

@@ -8,10 +8,11 @@ from bpy.types import Operator
 from bpy.utils import register_classes_factory
 
 from ..graph import nodes, places, spectra
+from ..scene import surfaces
 from ..store import mixer, palette
 from .palette_operators import OfPalette
 
-__all__ = ["CLASSES", "materials_of", "reflectance_of", "register", "unregister"]
+__all__ = ["CLASSES", "materials_of", "reflectance_of", "register", "takes_spectrum", "unregister"]
 
 MADE = "relume_palette"  # on a spectrum group: the palette and the row that it was assigned from
 
@@ -23,6 +24,11 @@ def _place(material):
             node = material.node_tree.nodes[name]
             return node, next(socket for socket in node.inputs if socket.identifier == identifier)
     return None
+
+
+def takes_spectrum(material) -> bool:
+    """Whether a material has a colour."""
+    return _place(material) is not None
 
 
 def materials_of(objects) -> list:
@@ -74,6 +80,7 @@ class AssignReflectances(OfPalette, Operator):
             spectra.assign(row.material, socket, tree)
             if self.asset and tree.asset_data is None:
                 tree.asset_mark()
+        surfaces.follow(context.scene)
         if told:
             self.report({"WARNING"}, told[0])
         else:

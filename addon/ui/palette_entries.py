@@ -10,7 +10,7 @@ from bpy_extras.io_utils import ImportHelper
 from ..store import palette, palette_tables
 from .palette_operators import OfPalette
 
-__all__ = ["CLASSES", "register", "unregister"]
+__all__ = ["CLASSES", "register", "select_material", "unregister"]
 
 
 def _add_entry(design, kind: str, name: str, spectrum=None):
@@ -39,6 +39,22 @@ def _add_entry(design, kind: str, name: str, spectrum=None):
         design.row = rows
     palette_tables.show(design)
     return entry
+
+
+def select_material(design, material):
+    """Select the row of a material, and add it if there is none. Raises PaletteError for one without a colour."""
+    from ...core.errors import PaletteError
+    from . import palette_assign
+
+    for index, row in enumerate(design.reflectances):
+        if row.material == material:
+            design.row = index
+            palette_tables.redraw()
+            return
+    if not palette_assign.takes_spectrum(material):
+        raise PaletteError(f"material {material.name!r} has no colour that takes a spectrum")
+    entry = _add_entry(design, "REFLECTANCE", material.name, palette_assign.reflectance_of(material))
+    entry.material = material
 
 
 class AddDesigned(OfPalette, Operator):
@@ -154,9 +170,7 @@ class AddMaterials(OfPalette, Operator):
 
         def add(design):
             for material in materials:
-                if material not in [row.material for row in design.reflectances]:
-                    entry = _add_entry(design, "REFLECTANCE", material.name, palette_assign.reflectance_of(material))
-                    entry.material = material
+                select_material(design, material)
 
         return self.done(context, add)
 

@@ -189,6 +189,7 @@ class Create(OfPalette, Operator):
             for index, cell in enumerate(design.cells):
                 cell.error = errors.get(divmod(index, len(design.lights)), -1.0)
             design.remarks = "\n".join(report.remarks) or "Every demand is met."
+            design.trial = ""
             palette_tables.show(design)
 
         return self.done(context, create)
@@ -224,31 +225,6 @@ class Normalise(OfPalette, Operator):
         return self.done(context, normalise)
 
 
-class AddDemand(OfPalette, Operator):
-    """Add a demand: two reflectances that match or part, or one that keeps its colour"""
-
-    bl_idname = "relume.palette_add_demand"
-    bl_label = "Add Demand"
-
-    what: EnumProperty(items=[("DIFFERENCE", "Difference", ""), ("CONSTANCY", "Constancy", "")], options={"HIDDEN"})
-    remove: IntProperty(default=-1, options={"HIDDEN"})
-
-    def execute(self, context):
-        design = palette.active(context.scene)
-        collection = design.differences if self.what == "DIFFERENCE" else design.constancies
-        if self.remove >= 0:
-            collection.remove(self.remove)
-            return {"FINISHED"}
-        names = [entry.name for entry in design.reflectances]
-        if self.what == "CONSTANCY":
-            collection.add().reflectance = names[design.row] if names else ""
-            return {"FINISHED"}
-        item = collection.add()
-        item.light = design.lights[design.column].name if design.lights else ""
-        item.first, item.second = (names + ["", ""])[0], (names + ["", ""])[1]
-        return {"FINISHED"}
-
-
 CLASSES = (
     NewPalette,
     OpenPalette,
@@ -257,7 +233,6 @@ CLASSES = (
     Fit,
     Create,
     Normalise,
-    AddDemand,
 )
 
 register, unregister = register_classes_factory(CLASSES)

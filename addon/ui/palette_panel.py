@@ -3,8 +3,8 @@
 from bpy.types import Menu, Panel
 from bpy.utils import register_classes_factory
 
-from ..store import palette
-from . import icons
+from ..store import palette, palette_tables
+from . import icons, palette_demands, palette_trial
 from .mixer_panels import words
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -57,12 +57,16 @@ class _Palette:
         for sentence in design.remarks.splitlines():
             words(layout, sentence)
         _draw_curves(layout, design)
-        _draw_demands(layout, design)
-        _draw_criteria(layout, design)
+        palette_demands.draw_demands(layout, design)
+        palette_demands.draw_criteria(layout, design)
         _draw_assign(layout, design)
+        palette_trial.draw(layout, context, design)
+        for sentence in design.trial.splitlines():
+            words(layout, sentence)
 
 
 def _draw_matrix(layout, design):
+    palette_tables.show_view(design)
     first = max(0, min(design.column - _SHOWN + 1, len(design.lights) - _SHOWN))
     columns = range(first, min(first + _SHOWN, len(design.lights)))
     # Patches as large as the usual width of a sidebar lets them be
@@ -73,13 +77,17 @@ def _draw_matrix(layout, design):
     for index in columns:
         column = head.column(align=True)
         light, color = design.lights[index], design.lights[index].swatch
-        column.operator("relume.palette_select", text=_label(light), depress=index == design.column).column = index
+        column.operator("relume.palette_select", text=light.name, depress=index == design.column).column = index
         column.template_icon(icons.patch(color, color, color), scale=1.0)
     for index, reflectance in enumerate(design.reflectances):
+        # Names of materials are long: each has the whole width
+        box.separator(factor=0.5)
+        name = box.row(align=True)
+        name.operator("relume.palette_select", text=reflectance.name, depress=index == design.row).row = index
+        name.prop(reflectance, "designed", text="", icon=_sign(reflectance), toggle=True)
         side, line = _line(box)
-        side.operator("relume.palette_select", text=_label(reflectance), depress=index == design.row).row = index
         color = reflectance.swatch
-        side.template_icon(icons.patch(color, color, color), scale=patch)
+        side.template_icon(icons.patch(color, color, color), scale=min(patch, 1.8))
         for column_index in columns:
             cell = palette.cell_at(design, index, column_index)
             column = line.column(align=True)
@@ -90,16 +98,18 @@ def _draw_matrix(layout, design):
                 depress=(index, column_index) == (design.row, design.column),
             )
             chosen.row, chosen.column = index, column_index
+    box.separator(factor=0.5)
+    box.row(align=True).prop(design, "shown", expand=True)
 
 
 def _line(box):
     """A line of the matrix: its side, and the place for its patches."""
-    line = box.split(factor=0.26, align=True)
+    line = box.split(factor=0.18, align=True)
     return line.column(align=True), line.row(align=True)
 
 
-def _label(entry) -> str:
-    return f"{entry.name} ✎" if entry.designed else entry.name
+def _sign(entry) -> str:
+    return "MODIFIER" if entry.designed else "LOCKED"
 
 
 def _cell_label(cell) -> str:
@@ -128,13 +138,15 @@ def _draw_selected(layout, design):
     elif cell.use == "FREE":
         line = box.row(align=True)
         line.prop(cell, "free", expand=True)
+        palette_demands.draw_free(box, design, cell.free)
     line = box.row(align=True)
     line.operator("relume.palette_fit", text="Fit Colour").everywhere = False
     line.operator("relume.palette_fit", text="Fit All").everywhere = True
+    line.operator("relume.palette_black", text="", icon="GHOST_ENABLED")
     for kind, entry in (("LIGHT", light), ("REFLECTANCE", reflectance)):
         line = box.row(align=True)
         line.prop(entry, "name", text="", icon="LIGHT" if kind == "LIGHT" else "MATERIAL")
-        line.prop(entry, "designed", text="", icon="MODIFIER" if entry.designed else "LOCKED", toggle=True)
+        line.prop(entry, "designed", text="", icon=_sign(entry), toggle=True)
         line.operator("relume.palette_normalise", text="", icon="FULLSCREEN_EXIT").kind = kind
         line.operator("relume.palette_take_out", text="", icon="X").kind = kind
         if kind == "LIGHT" and not entry.designed:
@@ -142,23 +154,18 @@ def _draw_selected(layout, design):
     line = box.row(align=True)
     line.prop(reflectance, "material", text="")
     line.operator("relume.palette_pick_material", text="", icon="EYEDROPPER")
+    for kind, entry in (("LIGHT", light), ("REFLECTANCE", reflectance)):
+        if entry.designed:
+            palette_demands.draw_limits(layout, entry, kind)
 
 
 def _draw_curves(layout, design):
-    lines = []
-    for entries, index in ((design.lights, design.column), (design.reflectances, design.row)):
-        if entries and entries[index].spectrum:
-            values = _drawn(entries[index].spectrum, entries is design.lights)
-            lines.append((values, entries[index].swatch))
+    pairs = ((design.lights, design.column, True), (design.reflectances, design.row, False))
+    chosen = [(entries[index], is_light) for entries, index, is_light in pairs if entries and entries[index].spectrum]
+    lines = [(_drawn(entry.spectrum, is_light), entry.swatch) for entry, is_light in chosen]
     if icon := icons.curves(lines):
-        names = [entries[index].name for entries, index in _chosen(design)]
-        layout.label(text=" and ".join(names), icon="FCURVE")
+        layout.label(text=" and ".join(entry.name for entry, _ in chosen), icon="FCURVE")
         layout.template_icon(icon, scale=8.0)
-
-
-def _chosen(design):
-    pairs = ((design.lights, design.column), (design.reflectances, design.row))
-    return [(entries, index) for entries, index in pairs if entries and entries[index].spectrum]
 
 
 def _drawn(text: str, is_light: bool) -> list:
@@ -167,47 +174,6 @@ def _drawn(text: str, is_light: bool) -> list:
 
     spectrum = stored_spectrum(text)
     return (drawing.curve(spectrum) if is_light else spectrum.sampled()).tolist()
-
-
-def _draw_demands(layout, design):
-    header, body = layout.panel("relume_palette_demands", default_closed=not (design.differences or design.constancies))
-    header.label(text="Differences and Constancy")
-    if body is None:
-        return
-    for index, one in enumerate(design.differences):
-        box = body.box().column(align=True)
-        line = box.row(align=True)
-        line.prop_search(one, "first", design, "reflectances", text="")
-        line.prop_search(one, "second", design, "reflectances", text="")
-        removed = line.operator("relume.palette_add_demand", text="", icon="X")
-        removed.what, removed.remove = "DIFFERENCE", index
-        line = box.row(align=True)
-        line.prop(one, "kind", text="")
-        line.prop(one, "amount", text="ΔE")
-        line.prop_search(one, "light", design, "lights", text="")
-    for index, one in enumerate(design.constancies):
-        line = body.box().row(align=True)
-        line.prop_search(one, "reflectance", design, "reflectances", text="")
-        line.prop(one, "adapted", toggle=True)
-        line.prop(one, "weight")
-        removed = line.operator("relume.palette_add_demand", text="", icon="X")
-        removed.what, removed.remove = "CONSTANCY", index
-    line = body.row(align=True)
-    line.operator("relume.palette_add_demand", text="Difference", icon="ADD").what = "DIFFERENCE"
-    line.operator("relume.palette_add_demand", text="Constancy", icon="ADD").what = "CONSTANCY"
-
-
-def _draw_criteria(layout, design):
-    header, body = layout.panel("relume_palette_criteria", default_closed=True)
-    header.label(text="Criteria")
-    if body is None:
-        return
-    body.use_property_split = True
-    for name in ("bounded", "smoothness", "space", "channels"):
-        body.prop(design, name)
-    if design.channels != "0":
-        body.prop(design, "model_error")
-        body.prop(design, "use_model")
 
 
 def _draw_assign(layout, design):

@@ -19,6 +19,7 @@ __all__ = [
     "metric",
     "normalised",
     "scene_from_xyz",
+    "scene_linear",
     "srgb_from_xyz",
     "xyz_from_hex",
     "xyz_from_rgb",
@@ -108,3 +109,8 @@ def xyz_from_scene(rgb: ArrayLike, space: str) -> list[float]:
 def scene_from_xyz(xyz: ArrayLike, space: str) -> list[float]:
     """A colour of a working space of Blender, three floats, 0 or more, of XYZ (3,)."""
     return np.maximum(np.linalg.solve(rgb_to_xyz(space), np.asarray(xyz, dtype=np.float64)), 0.0).tolist()
+
+
+def scene_linear(xyz: ArrayLike, space: str) -> Array:
+    """Colours (..., 3) of a working space of Blender, with its own sign, of XYZ (..., 3)."""
+    return np.asarray(xyz, dtype=np.float64) @ np.linalg.inv(rgb_to_xyz(space)).T

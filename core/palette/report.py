@@ -13,7 +13,7 @@ from .criteria import State
 from .design import Cell, Constancy, Difference, Entry, Palette
 from .solve import Solution, costs, create, start
 
-__all__ = ["CellReport", "Report", "matrix_colours", "patches", "report"]
+__all__ = ["CellReport", "Report", "matrix_colours", "matrix_xyz", "patches", "report"]
 
 NOTICED = 1.0  # CIEDE2000 from which a wanted colour counts as missed
 UNSEEN = 0.05  # CIEDE2000 by which a difference may be beside what was asked without a word
@@ -78,17 +78,22 @@ def patches(palette: Palette) -> tuple[Array, Array | None]:
     return state.colours(), np.stack(made, axis=1) if made else state.colours()
 
 
-def matrix_colours(palette: Palette) -> tuple[Array, ...]:
-    """What the matrix shows, in sRGB 0..1: wanted (r, l, 3), NaN where nothing is; full (r, l, 3); model (r, l, 3);
+def matrix_xyz(palette: Palette) -> tuple[Array, ...]:
+    """What the matrix shows, in XYZ: wanted (r, l, 3), NaN where nothing is; full (r, l, 3); model (r, l, 3);
     lights on white (l, 3); reflectances under flat light (r, 3). Without a model its colours are the full ones.
     """
     full, model = patches(palette)
     wanted = np.full(full.shape, np.nan)
     for cell in palette.cells:
         if cell.target is not None:
-            wanted[cell.reflectance, cell.light] = colours.srgb_from_xyz(cell.target)
-    alone = [palette.sampled(kind) @ colours.xyz_weights().T for kind in ("light", "reflectance")]
-    return wanted, *(colours.srgb_from_xyz(xyz) for xyz in (full, full if model is None else model, *alone))
+            wanted[cell.reflectance, cell.light] = cell.target
+    lights, reflectances = (palette.sampled(kind) @ colours.xyz_weights().T for kind in ("light", "reflectance"))
+    return wanted, full, full if model is None else model, lights, reflectances
+
+
+def matrix_colours(palette: Palette) -> tuple[Array, ...]:
+    """The same in sRGB 0..1."""
+    return tuple(colours.srgb_from_xyz(xyz) for xyz in matrix_xyz(palette))
 
 
 def _cell(palette: Palette, state: State, xyz: Array, whites: Array, free: dict[str, Array], cell: Cell) -> CellReport:

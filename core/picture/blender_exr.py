@@ -3,6 +3,7 @@
 A channel is called LAYER.PASS.CHANNEL, whether every pass has a part of its own or all are interleaved in one.
 """
 
+import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -13,7 +14,16 @@ from ..model.factor_model import FactorModel
 from . import exr
 from .coefficient_image import EVERYTHING_ELSE
 
-__all__ = ["check_unknown", "light_pass", "read_guides", "read_pass", "read_render", "read_render_times", "size"]
+__all__ = [
+    "check_unknown",
+    "light_pass",
+    "read_guides",
+    "read_materials",
+    "read_pass",
+    "read_render",
+    "read_render_times",
+    "size",
+]
 
 _COMPLETE = "render all view layers of the scene as it was set up"
 
@@ -91,6 +101,32 @@ def read_pass(path: str | Path, model: FactorModel, layers: Sequence[str], name:
     _check(path, wanted, exr.names(path), "render again with it")
     channels = exr.channels(path, wanted)
     return np.stack([channels[each] for each in wanted], axis=-1)
+
+
+def read_materials(path: str | Path, layer: str) -> dict[str, np.ndarray]:
+    """{material: (height, width) float32, the part of each pixel that is it}, of the Cryptomatte of a view layer.
+
+    Raises CoefficientImageError where the render stored none.
+    """
+    path = Path(path)
+    header = exr.attributes(path, "cryptomatte/")
+    about = [key.rpartition("/")[0] for key, value in header.items() if value == f"{layer}.CryptoMaterial"]
+    beginning = f"{layer}.CryptoMaterial"
+    wanted = [name for name in exr.names(path) if name.startswith(beginning)]
+    if not about or not wanted:
+        raise CoefficientImageError(f"{path}: no Cryptomatte of materials is in it; render again with it")
+    channels = exr.channels(path, wanted)
+    order = sorted(wanted, key=lambda name: (name.rpartition(".")[0], "rgba".index(name[-1].lower())))
+    ids = [np.ascontiguousarray(channels[name]).view(np.uint32) for name in order[::2]]
+    parts = [channels[name] for name in order[1::2]]
+    found: dict[str, np.ndarray] = {}
+    for material, code in json.loads(header[f"{about[0]}/manifest"]).items():
+        covered = np.zeros_like(parts[0])
+        for each, part in zip(ids, parts, strict=True):
+            covered += np.where(each == int(code, 16), part, np.float32(0.0))
+        if covered.any():
+            found[material] = covered
+    return found
 
 
 def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:

@@ -15,7 +15,7 @@ import numpy as np
 from .. import results
 from ..errors import CoefficientImageError, ResultError, UsageError
 from . import blender_exr, description, exr
-from .blender_exr import read_guides, read_pass, read_render, read_render_times
+from .blender_exr import read_guides, read_materials, read_pass, read_render, read_render_times
 from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
 from .description import Description
 from .exr import read_rgb
@@ -31,6 +31,7 @@ __all__ = [
     "is_own",
     "read",
     "read_guides",
+    "read_materials",
     "read_pass",
     "read_render",
     "read_render_times",

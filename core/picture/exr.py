@@ -14,7 +14,7 @@ from ..errors import CoefficientImageError
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["attribute", "channels", "names", "read_rgb", "size"]
+__all__ = ["attribute", "attributes", "channels", "names", "read_rgb", "size"]
 
 
 @contextmanager
@@ -57,6 +57,13 @@ def attribute(path: str | Path, name: str) -> str | None:
     with _opened(path) as image:
         value = image.spec().getattribute(name)
     return value if isinstance(value, str) else None
+
+
+def attributes(path: str | Path, beginning: str) -> dict[str, str]:
+    """{name: text} of the texts in the header of the first part whose names begin so."""
+    with _opened(Path(path)) as image:
+        found = {each.name: each.value for each in image.spec().extra_attribs if each.name.startswith(beginning)}
+    return {name: value for name, value in found.items() if isinstance(value, str)}
 
 
 def names(path: str | Path) -> list[str]:

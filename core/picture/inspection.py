@@ -10,11 +10,13 @@ from ..model import relight
 from ..model.factor_model import FactorModel
 from ..spectra import library
 from ..spectra.arrays import Array, ArrayLike
-from ..spectra.spectrum import WAVELENGTHS
+from ..spectra.spectrum import WAVELENGTHS, Spectrum
 from .mix import Mix
 from .recombination import color_of, mixed_white
 
-__all__ = ["Pixel", "difference", "inspect"]
+__all__ = ["Pixel", "difference", "inspect", "range_of", "reflectance"]
+
+_SAME = 0.01  # largest difference of coefficients of one surface
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,29 @@ def inspect(model: FactorModel, mix: Mix, coefficients: Sequence[ArrayLike]) -> 
             spectrum += light.gain * power / (power @ luminous) * np.maximum(reflected, 0.0)
     highest = spectrum.max()
     return Pixel(spectrum / highest if highest > 0.0 else spectrum, color_of(model, mix, coefficients))
+
+
+def reflectance(model: FactorModel, coefficients: ArrayLike, known: Spectrum | None = None) -> Array:
+    """(81,) what a surface reflects that an AOV carries the coefficients (p,) of, on `WAVELENGTHS`.
+
+    That of its material, `known`, where it has these coefficients; otherwise the smoothest that has.
+    """
+    carried = np.asarray(coefficients, dtype=np.float64)
+    if known is not None and np.abs(model.coefficients(known) - carried).max() < _SAME:
+        return known.sampled()
+    return np.interp(WAVELENGTHS, model.wavelengths, model.reconstruct(carried))
+
+
+def range_of(spectrum: ArrayLike | None) -> str:
+    """How much a surface reflects, in words."""
+    if spectrum is None:
+        return "no colour is carried"
+    low, high = np.argmin(spectrum), np.argmax(spectrum)
+    values = np.asarray(spectrum)
+    if values[high] - values[low] < 0.005:
+        return f"reflects {values[low]:.2f} of all light"
+    least, most = f"{values[low]:.2f} at {WAVELENGTHS[low]:g} nm", f"{values[high]:.2f} at {WAVELENGTHS[high]:g} nm"
+    return f"reflects {least} to {most}"
 
 
 def difference(model: FactorModel, mix: Mix, one: Pixel, other: Pixel) -> float:

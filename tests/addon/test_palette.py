@@ -126,6 +126,119 @@ def test_a_palette_survives_the_file(tmp_path):
     assert palette_tables.table_of(palettes.active(bpy.context.scene)) == before
 
 
+WHOLE = """
+version = 1
+[criteria]
+channels = 7
+model = "sharpened"
+[[lights]]
+spectrum = "D65"
+[[lights]]
+spectrum = "A"
+[[lights]]
+name = "lamp"
+designed = true
+bounds = [0.1, 2.0]
+[[reflectances]]
+name = "left"
+designed = true
+bounds = [0.05, 0.95]
+near = "CES 30"
+near_weight = 0.02
+span = "ces"
+span_weight = 0.03
+[[reflectances]]
+spectrum = "CES 12"
+name = "given"
+[[cells]]
+reflectance = "left"
+light = "D65"
+free = "B"
+[[free_colours]]
+name = "B"
+lower = [0.1, 0.2, 0.1]
+[[constancies]]
+reflectance = "left"
+lights = ["D65", "A"]
+"""
+
+
+def test_the_editor_loses_nothing_of_a_file(tmp_path):
+    bpy.ops.wm.read_factory_settings()
+    path = tmp_path / "whole.toml"
+    path.write_text(WHOLE)
+    assert bpy.ops.relume.palette_open(filepath=str(path)) == {"FINISHED"}
+    design = palettes.active(bpy.context.scene)
+    first, again = (palette.to_dict(one) for one in (palette.read(path), palette_tables.design_of(design)))
+    for table in (first, again):
+        table["title"] = ""
+    assert str(_rounded(again)) == str(_rounded(first))
+    design.lights[1].name = "tungsten"
+    design.lights[2].name = "bulb"
+    assert palette_tables.table_of(design)["constancies"][0]["lights"] == ["D65", "tungsten"]
+
+
+def _rounded(value):
+    """Numbers of the interface are of single precision."""
+    if isinstance(value, dict):
+        return {key: _rounded(value[key]) for key in sorted(value)}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(each) for each in value]
+    return round(value, 5) + 0.0 if isinstance(value, float) else value
+
+
+def test_limits_and_demands_from_the_panel():
+    bpy.ops.wm.read_factory_settings()
+    bpy.ops.relume.palette_new(example="stays")
+    design = palettes.active(bpy.context.scene)
+    name = design.lights[0].name
+    assert bpy.ops.relume.palette_leave_out(index=0, light=name) == {"FINISHED"}
+    assert name not in palette_tables.table_of(design)["constancies"][0]["lights"]
+    bpy.ops.relume.palette_leave_out(index=0, light=name)
+    assert name in palette_tables.table_of(design)["constancies"][0]["lights"]
+    with pytest.raises(RuntimeError, match="no spectrum yet"):
+        bpy.ops.relume.palette_near(way="NOW")
+    bpy.ops.relume.palette_near(way="LIBRARY", spectrum="CES 30")
+    row = design.reflectances[0]
+    row.near_weight, row.span = 10.0, "ces"
+    bpy.ops.relume.palette_create()
+    made = palette_tables.design_of(design).reflectances[0].spectrum.sampled()
+    assert np.abs(made - library.reflectance("CES 30").sampled()).mean() < 0.05
+    bpy.ops.relume.palette_near(way="NONE")
+    assert "near" not in palette_tables.table_of(design)["reflectances"][0]
+    design.cells[0].use, design.cells[0].free = "FREE", "C"
+    bpy.ops.relume.palette_bound_free(letter="C")
+    design.free_colours[0].lower = design.free_colours[0].upper = (0.3, 0.2, 0.1)
+    design.free_colours[0].lower = (0.9, 0.9, 0.9)
+    with pytest.raises(RuntimeError, match="free colour 'C': its lower bounds"):
+        bpy.ops.relume.palette_create()
+    bpy.ops.relume.palette_bound_free(letter="C")
+    assert not design.free_colours
+    bpy.ops.relume.palette_select(row=0, column=1)
+    assert bpy.ops.relume.palette_black() == {"FINISHED"}
+    assert (row.own_bounds, row.lower, row.upper) == (True, -1.0, 1.0)
+
+
+def test_patches_follow_the_view():
+    bpy.ops.wm.read_factory_settings()
+    scene = bpy.context.scene
+    scene.view_settings.view_transform = "Standard"
+    bpy.ops.relume.palette_new(example="1_colours")
+    bpy.ops.relume.palette_create()
+    design = palettes.active(scene)
+    plain = tuple(design.cells[0].full)
+    design.shown = "VIEW"
+    np.testing.assert_allclose(design.cells[0].full, plain, atol=0.01)
+    before = scene.render.image_settings.file_format, scene.render.dither_intensity
+    for name, value in (("view_transform", "AgX"), ("exposure", 1.5)):
+        last = tuple(design.cells[0].full)
+        setattr(scene.view_settings, name, value)
+        palette_tables.show(design)
+        assert np.abs(np.array(design.cells[0].full) - last).max() > 0.01
+    assert (scene.render.image_settings.file_format, scene.render.dither_intensity) == before
+    assert not [image for image in bpy.data.images if image.name.startswith("Relume")]
+
+
 def test_the_same_row_keeps_its_spectrum_group():
     scene, design = assigned("stays")
     (material,) = (row.material for row in design.reflectances)

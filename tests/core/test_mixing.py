@@ -72,6 +72,17 @@ def test_a_pixel_of_a_grey_wall_has_the_spectrum_of_its_lamp():
     assert inspection.difference(model, mix, pixel, darker) > 20
 
 
+def test_a_surface_is_drawn_and_told_as_it_reflects():
+    model, red, other = bases.fitted(9), library.reflectance("ColorChecker: red"), library.reflectance("CES 30")
+    carried = model.coefficients(red)
+    assert np.array_equal(inspection.reflectance(model, carried, red), red.sampled())
+    for shown in (inspection.reflectance(model, carried), inspection.reflectance(model, carried, other)):
+        np.testing.assert_allclose(model.coefficients(shown), carried, atol=1e-3)
+    assert inspection.range_of(np.linspace(-0.1, 0.7, 81)) == "reflects -0.10 at 380 nm to 0.70 at 780 nm"
+    assert inspection.range_of(np.full(81, 0.8)) == "reflects 0.80 of all light"
+    assert inspection.range_of(None) == "no colour is carried"
+
+
 @pytest.mark.parametrize("name", ["D65", "589 nm", "HP1"])
 def test_an_icon_shows_the_curve_over_the_swatch(name):
     spectrum = library.illuminant(name)
