@@ -163,8 +163,8 @@ def _fitted(value, socket) -> tuple:
 
 
 def _is_plain(node) -> bool:
-    """Whether an inserted node feeds one socket and nothing else, as it was put there."""
-    links = node.outputs[0].links
+    """Whether an inserted node feeds one socket and nothing else, as it was put there; AOVs may show what it does."""
+    links = [link for link in node.outputs[0].links if link.to_node.bl_idname != "ShaderNodeOutputAOV"]
     return not node.mute and len(links) == 1 and not links[0].is_muted
 
 

@@ -142,6 +142,7 @@ def bring_in_line(
     shown.note_remarks(scene)
     _give_illuminants(scene, shown.lighting.temperatures)
     passes.put(scene, model, groups)
+    surfaces.follow(scene)
     yield
     relight(scene)
     yield

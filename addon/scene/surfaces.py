@@ -88,20 +88,32 @@ def add(scene) -> list[str]:
         for layer in layers:
             if AOV not in layer.aovs:
                 layer.aovs.add().name = AOV
-            layer.aovs[AOV].type = "COLOR"
+            if layer.aovs[AOV].type != "COLOR":
+                layer.aovs[AOV].type = "COLOR"
     for material in _materials(scene):
         tree, socket = material.node_tree, _color_of(material)
         if socket is None:
             without.append(material.name)
             continue
-        output = _output_of(tree) or tree.nodes.new("ShaderNodeOutputAOV")
-        output.aov_name = AOV
-        output.location = (socket.node.location.x, socket.node.location.y + 160)
-        if socket.is_linked:
-            tree.links.new(socket.links[0].from_socket, output.inputs["Color"])
-        else:
-            output.inputs["Color"].default_value = socket.default_value
+        output = _output_of(tree)
+        if output is None:
+            output = tree.nodes.new("ShaderNodeOutputAOV")
+            output.aov_name = AOV
+            output.location = (socket.node.location.x, socket.node.location.y + 160)
+        _show(tree, socket, output.inputs["Color"])
     return without
+
+
+def _show(tree, socket, shown) -> None:
+    """Have an output show what comes into a socket, if it does not yet."""
+    source, before = ((s.links[0].from_socket if s.is_linked else None) for s in (socket, shown))
+    if source is not None and source != before:
+        tree.links.new(source, shown)
+    elif source is None:
+        for link in list(shown.links):
+            tree.links.remove(link)
+        if list(shown.default_value) != list(socket.default_value):
+            shown.default_value = socket.default_value
 
 
 def _color_of(material):
