@@ -10,6 +10,7 @@ from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
 
+_own_undo = {}  # preferences of the user's while undo is another
 _followed = {}  # scene's session id: the mix that its sockets show
 
 
@@ -63,6 +64,26 @@ def _look_again(*_) -> None:
     """After undo, redo, reading a file and playing, anything may be different."""
     if follower.forget():
         _soon()
+
+
+@persistent
+def _before_undo(*_) -> None:
+    """Have undo read the whole file, where it would otherwise meet a node group that it does not know: see
+    `nodes.keep_spares`."""
+    preferences = bpy.context.preferences
+    if nodes.is_undo_unsafe() and follower.followed() and not preferences.experimental.use_undo_legacy:
+        _own_undo.update(developer=preferences.view.show_developer_ui, dirty=preferences.is_dirty)
+        preferences.view.show_developer_ui = preferences.experimental.use_undo_legacy = True
+
+
+@persistent
+def _after_undo(*_) -> None:
+    preferences = bpy.context.preferences
+    if _own_undo:
+        preferences.experimental.use_undo_legacy = False
+        preferences.view.show_developer_ui, preferences.is_dirty = _own_undo["developer"], _own_undo["dirty"]
+        _own_undo.clear()
+    _look_again()
 
 
 @persistent
@@ -122,8 +143,10 @@ def _forget_all(*_) -> None:
 _HANDLERS = (
     ("frame_change_post", _frame_changed),
     ("depsgraph_update_post", _depsgraph_updated),
-    ("undo_post", _look_again),
-    ("redo_post", _look_again),
+    ("undo_pre", _before_undo),
+    ("redo_pre", _before_undo),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
     ("animation_playback_post", _look_again),
     ("render_init", _settle),
     ("render_init", _bake),

@@ -190,6 +190,9 @@ def take_out(tree: bpy.types.NodeTree, owner, node) -> None:
     """Take one inserted node out of a tree; its animation goes back to where it was."""
     if _GIVEN in node and not node.inputs[0].is_linked:
         _take_over(node)
+    if "Tint" in node.inputs and owner.get(MOVED) == f"node_tree.{node.inputs['Tint'].path_from_id('default_value')}":
+        animation.move(owner, owner[MOVED], "color")
+        del owner[MOVED]
     targets = [link.to_socket for link in node.outputs[0].links]
     if _ANIMATED in node or targets:
         # What the artist animated since is animated at the node itself

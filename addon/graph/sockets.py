@@ -33,10 +33,16 @@ __all__ = [
 
 # Nodes that turn a spectrum into another colour
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
-_LINKED = "linked from {}: Blender cannot change it here, and its colours stay RGB"
+_LINKED = (
+    "linked from {}: Blender cannot change it here, and its colours stay RGB, which shifts them even in daylight. "
+    "Make it local to have them exact"
+)
 _SHARED = "its animation is that of other materials too: the colour stays RGB"
 _TOO_PURE = "this colour lies outside Rec.709: the surface comes out less pure than plain RGB shows it"
-_OVERRIDE = "a library override: Blender keeps no new nodes in it, and its colours stay RGB"
+_OVERRIDE = (
+    "a library override: Blender keeps no new nodes in it, and its colours stay RGB, which shifts them even in "
+    "daylight. Make it local to have them exact"
+)
 
 
 def untouchable(owner) -> Remark:

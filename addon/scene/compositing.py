@@ -12,8 +12,21 @@ from ...core.picture.recombination import for_passes
 from ..graph import node_groups, nodes
 from ..host import denoising
 from ..store import properties
+from ..store.remarks import Remark
 from . import comparison, view_layers
 from .comparison import COMPARISON, LINE
+from .compositing_nodes import (
+    ADDED,
+    SOURCE,
+    belongs,
+    fed,
+    left_behind,
+    links_to_artist,
+    raw_outputs,
+    recombinations,
+    recombinations_in,
+    users_of,
+)
 
 __all__ = [
     "compare",
@@ -25,11 +38,11 @@ __all__ = [
     "write_matrices",
 ]
 
-_SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
-_ADDED = "relume_added"  # on the nodes that Relume added
 _TREE = "Relume Compositing"
 _WIRING = "relume_wiring"  # on a scene: what its compositing looked like when it was set up
 _STEP = 240
+_NO_LIGHT = {"Image", "Noisy Image", "Denoising Albedo"}
+_RAW = "{} is that of the first coefficient pass, and no colour: use the picture, or a pass that is no colour"
 
 
 def _new_tree(scene, source: str):
@@ -50,6 +63,8 @@ def patch(scene, groups: list[str]) -> bool:
 
     What is right already stays untouched; returns whether anything was not.
     """
+    if _is_anothers(scene):
+        scene.compositing_node_group = None
     if _is_right(scene, groups):
         return False
     _take_out_all(scene)
@@ -67,15 +82,27 @@ def patch(scene, groups: list[str]) -> bool:
     return True
 
 
+def _is_anothers(scene) -> bool:
+    """Whether a scene shows the compositing that Relume made for the scene that it is a copy of."""
+    tree = scene.compositing_node_group
+    if tree is None or tree.get(nodes.ROLE) != "compositing" or fed(scene):
+        return False
+    return any(other != scene and other.compositing_node_group == tree for other in bpy.data.scenes)
+
+
 def _is_right(scene, groups: list[str]) -> bool:
     tree, layers = scene.compositing_node_group, view_layers.pass_layers(scene)
-    if tree is None or scene.get(_WIRING) != _wiring(scene, groups) or _left_behind(scene):
+    if tree is None or scene.get(_WIRING) != _wiring(scene, groups) or left_behind(scene):
         return False
     for node in tree.nodes:
-        own = node.type == "R_LAYERS" and node.scene == scene and _ADDED not in node
-        if own and _SOURCE not in node and node.layer in layers:
+        own = node.type == "R_LAYERS" and node.scene == scene and ADDED not in node
+        if own and SOURCE not in node and node.layer in layers:
             return False  # the artist's own, of later
-        if own and _SOURCE in node and any(link for socket in _raw(node, groups) for link in _artists(socket)):
+        if (
+            own
+            and SOURCE in node
+            and any(link for socket in raw_outputs(node, groups) for link in links_to_artist(socket))
+        ):
             return False
     used = Counter(node.node_tree for node in recombinations(scene))
     return all(group.users == count for group, count in used.items())
@@ -88,39 +115,14 @@ def _wiring(scene, groups: list[str]) -> str:
     made_for = [groups, layers, scene.relume.denoises_passes, cycles.use_denoising]
     if cycles.use_denoising:
         made_for += [denoising.guides_of(scene), denoising.prefilter_of(scene)]
-    added = [node for node in tree.nodes if _ADDED in node and COMPARISON not in node]
-    shown = [(node.name, getattr(node, "layer", ""), node.mute) for node in [*added, *_fed(scene)]]
+    added = [node for node in tree.nodes if ADDED in node and COMPARISON not in node]
+    shown = [(node.name, getattr(node, "layer", ""), node.mute) for node in [*added, *fed(scene)]]
     links = [
         (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.name, link.is_muted)
         for link in tree.links
-        if _ADDED in link.to_node and COMPARISON not in link.to_node
+        if ADDED in link.to_node and COMPARISON not in link.to_node
     ]
     return json.dumps([made_for, sorted(shown), sorted(links)])
-
-
-def _fed(scene, tree=None) -> list:
-    """The artist's Render Layers nodes that became first passes, in the scene's compositing or in another tree."""
-    tree = tree or scene.compositing_node_group
-    return [node for node in tree.nodes if _SOURCE in node and node.scene == scene]
-
-
-def _left_behind(scene) -> list:
-    """Compositing that the artist has taken from the scene, and that Relume has added to."""
-    others = (t for t in bpy.data.node_groups if t.bl_idname == "CompositorNodeTree" and not t.get(nodes.ROLE))
-    return [
-        tree for tree in others if tree != scene.compositing_node_group and tree.library is None and _fed(scene, tree)
-    ]
-
-
-def _raw(first, groups: list[str]) -> list:
-    """The outputs of a first pass that hold coefficients of what the recombination gives as a picture."""
-    names = {"Image", *(light_pass(group) for group in groups if group != EVERYTHING_ELSE)}
-    return [socket for socket in first.outputs if socket.name in names]
-
-
-def _artists(socket) -> list:
-    """The links from an output to nodes that Relume did not add."""
-    return [link for link in socket.links if _ADDED not in link.to_node]
 
 
 def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
@@ -128,8 +130,8 @@ def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
 
     So do the users of a light group's pass: they get its light, recombined.
     """
-    users = {socket.name: [link.to_socket for link in socket.links] for socket in _raw(first, groups)}
-    first[_SOURCE] = first.layer
+    users = {socket.name: [link.to_socket for link in socket.links] for socket in raw_outputs(first, groups)}
+    first[SOURCE] = first.layer
     first.layer = copies[0].name
     renders = [first]
     for k, copy in enumerate(copies[1:], 1):
@@ -170,7 +172,7 @@ def _denoise(tree, render, image, column: float, row: float):
 
 def _added(tree, kind: str, beside, column: float, row: float):
     node = tree.nodes.new(kind)
-    node[_ADDED] = True
+    node[ADDED] = True
     node.parent = beside.parent
     node.location = (beside.location.x + column * _STEP, beside.location.y + row * 1.5 * _STEP)
     node.select = False
@@ -188,8 +190,8 @@ def write_matrices(scene, matrices: np.ndarray) -> bool:
 
 def follow_names(scene, names: dict[str, str]) -> None:
     """Follow the artist's view layers to new names: {before: now}."""
-    for node in _fed(scene) if names and scene.compositing_node_group else ():
-        node[_SOURCE] = names.get(node[_SOURCE], node[_SOURCE])
+    for node in fed(scene) if names and scene.compositing_node_group else ():
+        node[SOURCE] = names.get(node[SOURCE], node[SOURCE])
 
 
 def rename(scene, before: str, after: str) -> None:
@@ -222,30 +224,14 @@ def _as_rendered(scene, matrices: np.ndarray) -> np.ndarray:
     return for_passes(matrices) if not own and rows[-1].name == EVERYTHING_ELSE else matrices
 
 
-def recombinations(scene) -> list:
-    """The nodes that recombine the scene's coefficient passes."""
-    tree = scene.compositing_node_group
-    return _recombinations(tree, scene) if tree else []
-
-
-def _recombinations(tree, scene) -> list:
-    found = [node for node in tree.nodes if nodes.role(node) == "recombination"]
-    return [node for node in found if _scene_of(node) in (scene, None)]
-
-
-def _scene_of(recombination):
-    """Whose passes a node recombines; None where the artist took its Render Layers node away."""
-    alpha = recombination.inputs["Alpha"]
-    return getattr(alpha.links[0].from_node, "scene", None) if alpha.is_linked else None
-
-
-def _users(picture):
-    """The sockets that the recombined picture goes to in the end, through the denoiser that Relume put behind it."""
-    for link in list(picture.links):
-        if link.to_node.type == "DENOISE" and _ADDED in link.to_node:
-            yield from _users(link.to_node.outputs["Image"])
-        else:
-            yield link.to_socket
+def remarks_on(scene) -> list[Remark]:
+    """On passes of colour in the artist's compositing that the recombination has no picture for."""
+    found = []
+    for first in fed(scene) if scene.compositing_node_group else ():
+        for socket in first.outputs:
+            if socket.type == "RGBA" and socket.name not in _NO_LIGHT and links_to_artist(socket):
+                found.append(Remark("Compositing", first.name, _RAW.format(socket.name)))
+    return found
 
 
 def remove(scene) -> None:
@@ -265,45 +251,36 @@ def _take_out_all(scene) -> None:
     if scene.compositing_node_group is not None:
         comparison.end(scene)
         _clear(scene.compositing_node_group, scene)
-    for tree in _left_behind(scene):
+    for tree in left_behind(scene):
         _clear(tree, scene)
 
 
 def _clear(tree, scene) -> None:
-    for recombination in _recombinations(tree, scene):
+    for recombination in recombinations_in(tree, scene):
         if recombination.inputs["Alpha"].is_linked:
             _take_out(tree, recombination.inputs["Alpha"].links[0].from_node, recombination)
-    for node in [node for node in tree.nodes if _ADDED in node and _belongs(node, scene)]:
+    for node in [node for node in tree.nodes if ADDED in node and belongs(node, scene)]:
         tree.nodes.remove(node)
     names = view_layers.source_names(scene)
-    for node in _fed(scene, tree):
-        if node[_SOURCE] in names:
-            node.layer = names[node[_SOURCE]]
-        del node[_SOURCE]
+    for node in fed(scene, tree):
+        if node[SOURCE] in names:
+            node.layer = names[node[SOURCE]]
+        del node[SOURCE]
 
 
 def _take_out(tree, first, recombination) -> None:
     """Give what the recombination feeds to the Render Layers node that it is fed by."""
-    for node in [n for n in tree.nodes if n.type == "DENOISE" and _ADDED in n and n.inputs["Image"].is_linked]:
+    for node in [n for n in tree.nodes if n.type == "DENOISE" and ADDED in n and n.inputs["Image"].is_linked]:
         source = node.inputs["Image"].links[0]
-        if _ADDED not in source.from_node:  # the artist put a node in between
+        if ADDED not in source.from_node:  # the artist put a node in between
             for link in list(node.outputs["Image"].links):
                 tree.links.new(source.from_socket, link.to_socket)
-    for user in _users(recombination.outputs["Image"]):
+    for user in users_of(recombination.outputs["Image"]):
         tree.links.new(first.outputs["Image"], user)
     for socket in recombination.outputs[1:]:
         for link in list(socket.links):
             if light_pass(socket.name) in first.outputs:
                 tree.links.new(first.outputs[light_pass(socket.name)], link.to_socket)
-
-
-def _belongs(node, scene) -> bool:
-    """Whether a node that Relume added was added for a scene: another may show the same compositing."""
-    if node.type == "R_LAYERS":
-        return node.scene == scene
-    if nodes.role(node) == "recombination":
-        return _scene_of(node) in (scene, None)
-    return True
 
 
 def compare(scene, matrices: np.ndarray) -> None:

@@ -102,6 +102,9 @@ def _assign(scene, assigned: list[tuple[str, list]]) -> None:
                 settings.light_groups.add()["name"] = name
                 mixer.apply(settings, {"light_groups": {name: start}, "balance": {}})
         rows.discard(scene, lit.difference(lights.light_groups_of(scene)))  # what their lamps left
+    for layer in scene.view_layers:  # as Blender's own buttons do
+        for name in [name for name, _ in assigned if name and name not in layer.lightgroups]:
+            layer.lightgroups.add(name=name)
     if settings.is_set_up:
         setup.update(scene)
 

@@ -72,6 +72,7 @@ def set_up(scene, model: FactorModel | None = None) -> None:
                 rows.settle(each.relume)
             nodes.clear_orphans()
             nodes.keep_spares()
+            nodes.is_undo_unsafe(now_safe=True)
         except BaseException as error:
             lost = _give_back(scenes, before)
             if isinstance(error, SetupError) or not isinstance(error, Exception):
@@ -139,10 +140,10 @@ def bring_in_line(
     yield
     for _ in shown.patch_all(gentle):
         yield
-    shown.note_remarks(scene)
     _give_illuminants(scene, shown.lighting.temperatures)
     passes.put(scene, model, groups)
     surfaces.follow(scene)
+    shown.note_remarks(scene)
     yield
     relight(scene)
     yield

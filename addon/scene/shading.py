@@ -10,7 +10,7 @@ from ..graph import insertion, lights, nodes, sockets
 from ..host import inventory
 from ..store import remarks
 from ..store.remarks import Remark
-from . import faults, rows
+from . import compositing, faults, rows
 
 __all__ = ["Shown", "look", "matters"]
 
@@ -59,7 +59,9 @@ class Shown:
             yield self.patch(part, gentle)
 
     def note_remarks(self, scene) -> None:
-        remarks.write(scene, [*self.about_scene, *(remark for found in self.about.values() for remark in found)])
+        """Write down all that was found, and what the compositing goes without."""
+        about_trees = [remark for found in self.about.values() for remark in found]
+        remarks.write(scene, [*self.about_scene, *about_trees, *compositing.remarks_on(scene)])
 
 
 def look(scene, model: FactorModel, groups: list[str]) -> Shown:
