@@ -125,11 +125,23 @@ def is_shared(block, path: str) -> bool:
 
 
 def move(block, before: str, after: str) -> bool:
-    """Let what animates or drives the path `before` of a data-block act on `after`; whether anything does."""
+    """Let what animates or drives the path `before` of a data-block act on `after`, in the place of what did; whether
+    anything does."""
     moved = [curve for curve in _curves(block) if curve.data_path == before]
+    for curves in _own_curves(block) if moved and before != after else ():
+        for curve in [curve for curve in curves if curve.data_path == after]:
+            curves.remove(curve)
     for curve in moved:
         curve.data_path = after
     return bool(moved)
+
+
+def _own_curves(block) -> list:
+    """The collections of drivers and curves of a data-block that no other shares."""
+    if block.animation_data is None:
+        return []
+    own = dict.fromkeys((action, slot) for action, slot in _actions(block) if slot and len(slot.users()) == 1)
+    return [block.animation_data.drivers, *(bag.fcurves for action, slot in own for bag in _bags(action, slot))]
 
 
 def renumber(block, collection: str, numbers: dict[int, int]) -> None:
@@ -138,11 +150,7 @@ def renumber(block, collection: str, numbers: dict[int, int]) -> None:
     What acts on a member that is gone is taken away: it would act on another. What other data-blocks share stays.
     """
     member = re.compile(rf"{re.escape(collection)}\[(\d+)\]")
-    if block.animation_data is None:
-        return
-    own = dict.fromkeys((action, slot) for action, slot in _actions(block) if slot and len(slot.users()) == 1)
-    bags = [bag for action, slot in own for bag in _bags(action, slot)]
-    for curves in [block.animation_data.drivers, *(bag.fcurves for bag in bags)]:
+    for curves in _own_curves(block):
         for curve in list(curves):
             found = member.match(curve.data_path)
             old = int(found[1]) if found else None
