@@ -187,10 +187,19 @@ def _scene(scene, groups: dict) -> dict:
             _row(row) for row in sorted(scene.relume.light_groups, key=lambda row: "" if row.is_lit else row.name)
         ],
         "own": own,
-        "remarks": sorted(map(_remark, remarks.of(scene))),
+        "remarks": sorted(_remark(each) for each in remarks.of(scene) if not _shines_by_the_frame(each)),
         "problem": scene.relume.problem,
         "compositing": _compositing(scene.compositing_node_group, groups),
     }
+
+
+def _shines_by_the_frame(remark) -> bool:
+    """Whether a remark is on the colour of a light that is animated."""
+    for blocks in (bpy.data.lights, bpy.data.worlds, bpy.data.materials):
+        owner = blocks.get(remark.owner)
+        if owner and (animation.has_any(owner) or animation.paths(owner.node_tree, owner)):
+            return "deeply coloured" in remark.why
+    return False
 
 
 def _remark(remark) -> str:
