@@ -1,14 +1,16 @@
 // The page: what is shown, and everything that a person, the address or another page may change.
 
 var now = { picture: null, mix: null, mixes: new Map(), frame: null, number: 0, snapshots: [], compared: null, wipe: 0.5, spot: null };
-let renderer, waiting, loads = 0;
+let renderer, waiting, settling, loads = 0;
 
-function render() {
+// quick: as fast as someone drags, and exactly once that has ended.
+function render(quick = false) {
   waiting = 0;
+  clearTimeout(settling);
   if (!now.frame) return;
   const sides = [lightingOf(now.picture, now.mix)];
   if (now.compared) sides.push(lightingOf(now.picture, now.compared));
-  renderer.draw(sides, Math.round(now.wipe * now.picture.size[0]));
+  if (renderer.draw(sides, Math.round(now.wipe * now.picture.size[0]), quick) === false) settling = setTimeout(() => render(), 150);
   $("problem").textContent = sides[0].problem ? word(sides[0].problem) : "";
   showSpot();
 }
@@ -16,7 +18,7 @@ function render() {
 let saving;
 
 function changed() {
-  waiting ||= requestAnimationFrame(render);
+  waiting ||= requestAnimationFrame(() => render(true));
   const { words, unsaid } = commandOf(now.picture, now.mix);
   $("words").value = words;
   $("unsaid").textContent = unsaid.length ? `${word("said")} ${unsaid.map((key) => word("said_" + key)).join(", ")}.` : "";
@@ -130,7 +132,7 @@ function showSpot() {
 function pointAt(x, y) {
   const [width, height] = now.picture.size;
   now.spot = [Math.max(0, Math.min(width - 1, Math.floor(x))), Math.max(0, Math.min(height - 1, Math.floor(y)))];
-  waiting ||= requestAnimationFrame(render);
+  requestAnimationFrame(showSpot);
 }
 
 async function copy(text, field) {
