@@ -1,7 +1,10 @@
 """What may be typed after `relume`: the commands, their options, and the ranges of their numbers."""
 
 import argparse
+import io
 import re
+import shlex
+from contextlib import redirect_stderr
 from functools import partial
 
 from ...core.errors import UsageError
@@ -10,7 +13,7 @@ from ...core.spectra.spectrum import WAVELENGTHS
 from ..store import properties
 from . import web
 
-__all__ = ["REPORTS", "number", "parse"]
+__all__ = ["REPORTS", "mix", "number", "parse"]
 
 # Commands of the core, which read their own arguments.
 REPORTS = {
@@ -23,6 +26,8 @@ FRAMES = (-1048574, 1048574)  # Blender's
 SAMPLES = (1, 1 << 24)  # of Cycles
 PERCENT = (1, 32767)  # of Blender's resolution
 
+_SCENE = "what the file was rendered from, for renders whose note does not say enough"
+_LAYER = "one of the artist's view layers; default: the first"
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
 _CHANNELS = [name for name, _, _ in properties.CHANNELS]
 _RANGE = re.compile(r"(-?[0-9]+)(?:-(-?[0-9]+))?")
@@ -33,7 +38,37 @@ _TEMPLATE = re.compile(r"\{(blend_(name|dir)(_lib)?|fps|resolution_[xy]|scene_na
 
 def parse(argv: list[str], in_blender: bool) -> argparse.Namespace:
     """The command and its options. Exits as argparse does: 2 for wrong usage, 0 after help."""
-    return _parser(in_blender).parse_args(_joined(argv))
+    told = _parser(in_blender).parse_args(_joined(argv))
+    if getattr(told, "mix", None) is not None:
+        told.light = told.mix.light + told.light
+        told.white = told.mix.white if told.white is None else told.white
+    return told
+
+
+def mix(words: str) -> argparse.Namespace:
+    """The light and white that a mix says: what Copy Mix gives. Raises ArgumentTypeError."""
+    parser = argparse.ArgumentParser(add_help=False, exit_on_error=False, allow_abbrev=False)
+    _add_lights(parser)
+    try:
+        with redirect_stderr(io.StringIO()):
+            told = parser.parse_args(shlex.split(words))
+    except (argparse.ArgumentError, ValueError, SystemExit):
+        told = None
+    if told is None or not (told.light or told.white is not None):
+        raise argparse.ArgumentTypeError("not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' … --white 0..1")
+    return told
+
+
+def _add_lights(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--light",
+        metavar="GROUP=ILLUMINANT[*GAIN]",
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+    )
+    parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 
 
 def _joined(argv: list[str]) -> list[str]:
@@ -78,23 +113,21 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     relight.add_argument(
         "coefficients", metavar="COEFFICIENTS.exr", type=_path, help="a file, or a sequence such as shot.####.exr"
     )
+    _add_lights(relight)
     relight.add_argument(
-        "--light",
-        metavar="GROUP=ILLUMINANT[*GAIN]",
-        nargs="+",
-        action="extend",
-        default=[],
-        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+        "--mix",
+        metavar="WORDS",
+        type=mix,
+        help="what Copy Mix gives on a page of `relume web`, in quotes; --light and --white come after it",
     )
     relight.add_argument(
         "--scene",
         dest="blend",
         metavar="SCENE.blend",
         type=_path,
-        help="what the file was rendered from, for renders whose note does not say enough",
+        help=_SCENE,
     )
-    relight.add_argument("--layer", metavar="NAME", help="one of the artist's view layers; default: the first")
-    relight.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
+    relight.add_argument("--layer", metavar="NAME", help=_LAYER)
     _add_out(relight, "PICTURE", "PICTURE.png, .tif or .exr; with #### for a sequence", required=True)
     relight.add_argument(
         "--resume", action="store_true", help="keep the pictures that are there and newer than their coefficients"
@@ -104,7 +137,9 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     _add_scene(describe, in_blender)
     _add_out(describe, "FILE.json", "default: SCENE.relume.json in this folder; put it beside the EXRs")
 
-    web.add_command(commands, _path, _add_out)
+    page = web.add_command(commands, _path, _add_out)
+    page.add_argument("--scene", dest="blend", metavar="SCENE.blend", type=_path, help=_SCENE)
+    page.add_argument("--layer", metavar="NAME", help=_LAYER)
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     _add_out(demo, "DIR", "folder for the results", default="out/demo")

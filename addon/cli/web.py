@@ -14,7 +14,6 @@ from ...core import results
 from ...core.errors import CoefficientImageError, UsageError
 from ...core.picture import coefficients, exr, sequences
 from ..host import console
-from ..host.blend_file import located
 from ..scene import render
 
 if TYPE_CHECKING:
@@ -56,6 +55,7 @@ def add_command(commands, path, add_out):
     web.add_argument("--title", metavar="TEXT", default="", help="default: the names of the files")
     web.add_argument("--bare", action="store_true", help="the picture alone, to embed in another page")
     add_out(web, "PAGE.html", "the page", required=True)
+    return web
 
 
 def _size(text: str) -> int:
@@ -80,7 +80,7 @@ def run(told: argparse.Namespace):
 
     if told.out.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"{told.out}: a page's name ends in .html")
-    pictures = _pictures(located(told.coefficients))
+    pictures = _pictures(told.coefficients, told.described, told.layer)
     with results.folder(told.out.parent):
         results.expect(told.out)
         reached = page.write(
@@ -100,34 +100,31 @@ def run(told: argparse.Namespace):
     console.wrote(told.out)
 
 
-def _pictures(path: Path) -> list["Picture"]:
+def _pictures(path: Path, described, layer: str | None) -> list["Picture"]:
     """The pictures of a page: of a file, of a sequence, or of all coefficient images in a folder."""
     from ...core.web import page
 
+    def read(file: Path):
+        return partial(coefficients.read, file, described, layer)
+
     if sequences.is_pattern(path):
         files = sequences.files(path)
-        coefficients.describe_all(files.values())
+        coefficients.describe_all(files.values(), described, layer)
         name = path.stem.replace("#", "").rstrip("._- ")
-        return [page.Picture(name or path.stem, {n: partial(coefficients.read, file) for n, file in files.items()})]
+        return [page.Picture(name or path.stem, {n: read(file) for n, file in files.items()})]
     if not path.is_dir():
-        coefficients.describe(path)
-        return [_picture(path)]
+        coefficients.describe(path, described, layer)
+        return [page.Picture(path.stem, {1: read(path)})]
     found = []
     for file in sorted(path.glob("[!.]*.exr")):
         try:
-            coefficients.describe(file)
-            found.append(_picture(file))
+            coefficients.describe(file, described, layer)
+            found.append(page.Picture(file.stem, {1: read(file)}))
         except CoefficientImageError as error:
             console.say(f"left out: {error}")
     if not found:
         raise CoefficientImageError(f"{path}: no coefficient images in this folder; expected EXRs of `relume render`")
     return found
-
-
-def _picture(path: Path) -> "Picture":
-    from ...core.web import page
-
-    return page.Picture(path.stem, {1: partial(coefficients.read, path)})
 
 
 def shown(rgb: np.ndarray, image) -> np.ndarray:

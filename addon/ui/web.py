@@ -1,8 +1,6 @@
 """Share as Web Page, and the mix that comes back from one."""
 
-import io
-import shlex
-from contextlib import redirect_stderr
+import argparse
 from dataclasses import replace
 from pathlib import Path
 
@@ -115,15 +113,11 @@ class PasteMix(NeedsSetUp, Operator):
 
 
 def _pasted(text: str):
-    """What the words of `relume relight` say, as its options. Raises UsageError."""
+    """What the words of `relume relight --mix` say, as its options. Raises UsageError."""
     try:
-        with redirect_stderr(io.StringIO()):
-            told = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
-    except (ValueError, SystemExit):
-        told = None
-    if told is None or not (told.light or told.white is not None):
-        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …")
-    return told
+        return arguments.mix(text)
+    except argparse.ArgumentTypeError:
+        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …") from None
 
 
 def _image_editor(context):

@@ -1,12 +1,12 @@
 """The coefficients of a light group as pictures of one byte a pixel, which browsers decode by themselves.
 
 A pixel's coefficients c are split into their brightness I = v·c (v: how much lamps make of each channel) and what is
-left in proportion to it: c = I + (I + ε + κT) B r, where T is the brightness of all light groups together: where others
-outshine a group, it may be coarser. The relight matrices give a metric that turns r into units of CIEDE2000 at mid grey:
-the one in which noise of a given volume is seen least under the lamp that shows most of it, a D-optimal design over
-lamps. Its principal axes are the columns of B: an axis that no lamp can tell apart costs nothing. Brightness goes in
-steps of a logarithm, coarser above white; r in steps that grow with the chroma, as CIEDE2000's tolerance does. Every one
-of the p planes is an AVIF in grey; a table of 256 values says what its bytes mean.
+left in proportion to it: c = I + (I + ε + κT) B r. T is the brightness of all light groups together: where others
+outshine a group, it may be coarser. The relight matrices give a metric that turns r into units of CIEDE2000 at mid
+grey: the one in which noise of a given volume is seen least under the lamp that shows most of it, a D-optimal design
+over lamps. Its principal axes are the columns of B: an axis that no lamp can tell apart costs nothing. Brightness goes
+in steps of a logarithm, coarser above white; r in steps that grow with the chroma, as CIEDE2000's tolerance does. Every
+one of the p planes is an AVIF in grey; a table of 256 values says what its bytes mean.
 """
 
 import io
@@ -119,7 +119,8 @@ def quantised(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Codes (p, height, width) uint8 of coefficients (height, width, p), with the tables, basis and floor.
 
-    total: (height, width) brightness of all light groups. white: the brightness that is shown as white, see `white_of`. wanted: the ΔE that it is for.
+    total: (height, width) brightness of all light groups. white: what of it is shown as white, see `white_of`.
+    wanted: the ΔE that it is for.
     """
     shape, channels = coefficients.shape[:2], coefficients.shape[2]
     flat = coefficients.reshape(-1, channels)

@@ -68,7 +68,15 @@ function drawSnapshots() {
 function compareWith(value) {
   $("other").value = value;
   now.compared = value === "" ? null : value === "rendered" ? renderedMix(now.picture) : copyOf(now.snapshots[value].mix);
-  $("wipeField").hidden = !now.compared;
+  $("wipeField").hidden = $("handle").hidden = !now.compared;
+  wipeTo(now.wipe);
+}
+
+function wipeTo(part) {
+  now.wipe = Math.max(0, Math.min(1, part));
+  $("wipe").value = now.wipe;
+  $("handle").style.left = `${100 * now.wipe}%`;
+  $("handle").setAttribute("aria-valuenow", Math.round(100 * now.wipe));
   changed();
 }
 
@@ -88,7 +96,7 @@ async function showFrame(number) {
     const frame = await readFrame(now.picture, number);
     if (load !== loads) return;
     renderer.load(frame);
-    $("picture").style.setProperty("--ratio", frame.size[0] / frame.size[1]);
+    $("sheet").style.setProperty("--ratio", frame.size[0] / frame.size[1]);
     now.frame = frame;
     render();
     $("status").textContent = "";
@@ -166,7 +174,17 @@ function listen() {
   $("method").addEventListener("change", () => { now.mix.method = $("method").value; changed(); });
   $("observer").addEventListener("change", () => { now.mix.observer = Number($("observer").value); changed(); });
   $("other").addEventListener("change", () => compareWith($("other").value));
-  $("wipe").addEventListener("input", () => { now.wipe = Number($("wipe").value); changed(); });
+  $("wipe").addEventListener("input", () => wipeTo(Number($("wipe").value)));
+  const handle = $("handle");
+  const follow = (event) => { const box = canvas.getBoundingClientRect(); wipeTo((event.clientX - box.left) / box.width); };
+  handle.addEventListener("pointerdown", (event) => { handle.setPointerCapture(event.pointerId); follow(event); });
+  handle.addEventListener("pointermove", (event) => { if (handle.hasPointerCapture(event.pointerId)) follow(event); });
+  handle.addEventListener("keydown", (event) => {
+    const to = { ArrowLeft: now.wipe - 0.02, ArrowDown: now.wipe - 0.02, ArrowRight: now.wipe + 0.02, ArrowUp: now.wipe + 0.02, Home: 0, End: 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    wipeTo(to);
+  });
   $("frame").addEventListener("input", () => showFrame(Number($("frame").value)));
   $("reset").addEventListener("click", () => setMix(renderedMix(now.picture)));
   $("keep").addEventListener("click", () => {
