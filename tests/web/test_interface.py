@@ -211,6 +211,18 @@ def test_a_bare_page_answers_the_page_around_it(browser, chart, tmp_path):
     browser.run("frames[0].postMessage({ relume: 'set', mix: 'light=key%3DMercury*2' }, '*')")
     browser.wait("return heard.length > 1")
     assert "key%3DMercury*2" in browser.run("return heard.at(-1).mix")
+    for said in ("{ relume: 'get' }", "{ relume: 'frame', number: 0 }"):
+        before = browser.run("return heard.length")
+        browser.run(f"frames[0].postMessage({said}, '*')")
+        browser.wait(f"return heard.length > {before}")
+        answer = browser.run("return heard.at(-1)")
+        assert answer["relume"] == "mix" and "key%3DMercury*2" in answer["mix"] and answer["frames"] == 1
+        assert answer["picture"] == "chart" and answer["pictures"] == ["chart"]
+    before = browser.run("return heard.length")
+    for said in ("'set'", "null", "{ relume: 7 }", "{ relume: 'set', mix: 3 }", "{ relume: 'frame', number: 'x' }"):
+        browser.run(f"frames[0].postMessage({said}, '*')")
+    browser.wait(f"return heard.length >= {before + 2}")
+    assert "key%3DMercury*2" in browser.run("return heard.at(-1).mix"), "what it cannot read changes nothing"
     assert browser.errors() == []
 
 
