@@ -175,13 +175,14 @@ def encode(
     """
     weights = luminous(matrices)
     white = white_of(list(groups.values()), weights, exposure)
-    total = sum(coefficients @ weights.astype(np.float32) for coefficients in groups.values())
+    total = np.sum([coefficients @ weights.astype(np.float32) for coefficients in groups.values()], axis=0)
     coded = {}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for name, coefficients in groups.items():
-            codes, *meaning = quantised(coefficients, total, matrices, white, wanted)
-            coded[name] = pool.map(partial(plane_bytes, quality=quality, speed=speed), codes), meaning
-        return {name: Encoded(tuple(planes), *meaning) for name, (planes, meaning) in coded.items()}
+            codes, tables, basis, floor = quantised(coefficients, total, matrices, white, wanted)
+            planes = pool.map(partial(plane_bytes, quality=quality, speed=speed), codes)
+            coded[name] = planes, tables, basis, floor
+        return {name: Encoded(tuple(files), each, axes, low) for name, (files, each, axes, low) in coded.items()}
 
 
 def decode(coded: Mapping[str, Encoded]) -> dict[str, np.ndarray]:
