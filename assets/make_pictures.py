@@ -6,6 +6,7 @@ from pathlib import Path
 
 import bpy
 
+from ..addon.cli.web import shown
 from ..addon.graph import glass
 from ..addon.host import denoising
 from ..addon.host.console import Progress
@@ -14,6 +15,7 @@ from ..core.colour import spaces
 from ..core.model import bases
 from ..core.picture.mix import Light
 from ..core.spectra import library
+from ..core.web import page
 from ..studies import figures
 from . import make_room, prism
 
@@ -60,6 +62,19 @@ def _prism(path: Path):
     figures.picture_row(path, pictures)
 
 
+def _room_page(path: Path):
+    """The room as a page of `relume web`, its passes denoised."""
+    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
+    scene = bpy.context.scene
+    scene.cycles.samples, scene.render.resolution_percentage = _SAMPLES // 2, 150
+    setup.set_up(scene, bases.fitted(9))
+    with tempfile.TemporaryDirectory() as temporary:
+        guides = denoising.guides_of(scene)
+        rendered = render.render(scene, Path(temporary), Progress(scene.relume.model().passes), guides)
+    image = denoising.denoised_image(rendered.image, rendered.guides, denoising.prefilter_of(scene))
+    page.write(path, [page.Picture("room", {1: lambda: image})], title="The test room", show=shown)
+
+
 def _rendered(scene):
     with tempfile.TemporaryDirectory() as temporary:
         return render.render(scene, Path(temporary), Progress(scene.relume.model().passes)).image
@@ -71,7 +86,7 @@ def main(arguments: list[str] | None = None):
 
     register()
     folder = Path((arguments or sys.argv[1:] or ["docs"])[0])
-    for make, name in ((_room, "room.png"), (_prism, "prism.png")):
+    for make, name in ((_room, "room.png"), (_prism, "prism.png"), (_room_page, "room.html")):
         make(folder / name)
         print(folder / name)
 

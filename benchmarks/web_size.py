@@ -102,8 +102,9 @@ def _point(tiles, matrices, white: float, settings: dict, step: float) -> tuple[
     from PIL import Image
 
     coded = {}
+    total = sum(coefficients @ encoding.luminous(matrices).astype(np.float32) for coefficients in tiles.values())
     for name, coefficients in tiles.items():
-        codes, tables, basis, floor = encoding.quantised(coefficients, matrices, white, step)
+        codes, tables, basis, floor = encoding.quantised(coefficients, total, matrices, white, step)
         planes = []
         for plane in codes:
             file = io.BytesIO()

@@ -1,7 +1,10 @@
 """What may be typed after `relume`: the commands, their options, and the ranges of their numbers."""
 
 import argparse
+import io
 import re
+import shlex
+from contextlib import redirect_stderr
 from functools import partial
 
 from ...core.errors import UsageError
@@ -9,7 +12,7 @@ from ...core.picture.mix import GAINS
 from ...core.spectra.spectrum import WAVELENGTHS
 from ..store import properties
 
-__all__ = ["QUALITIES", "REPORTS", "SIZES", "number", "parse"]
+__all__ = ["QUALITIES", "REPORTS", "SIZES", "mix", "number", "parse"]
 
 # Commands of the core, which read their own arguments.
 REPORTS = {
@@ -24,6 +27,8 @@ PERCENT = (1, 32767)  # of Blender's resolution
 SIZES = (16, 8192)  # pixels of the longer side of a web page's pictures
 QUALITIES = (0.1, 20.0)  # ΔE of a web page
 
+_SCENE = "what the file was rendered from, for renders whose note does not say enough"
+_LAYER = "one of the artist's view layers; default: the first"
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
 _CHANNELS = [name for name, _, _ in properties.CHANNELS]
 _RANGE = re.compile(r"(-?[0-9]+)(?:-(-?[0-9]+))?")
@@ -34,7 +39,37 @@ _TEMPLATE = re.compile(r"\{(blend_(name|dir)(_lib)?|fps|resolution_[xy]|scene_na
 
 def parse(argv: list[str], in_blender: bool) -> argparse.Namespace:
     """The command and its options. Exits as argparse does: 2 for wrong usage, 0 after help."""
-    return _parser(in_blender).parse_args(_joined(argv))
+    told = _parser(in_blender).parse_args(_joined(argv))
+    if getattr(told, "mix", None) is not None:
+        told.light = told.mix.light + told.light
+        told.white = told.mix.white if told.white is None else told.white
+    return told
+
+
+def mix(words: str) -> argparse.Namespace:
+    """The light and white that a mix says: what Copy Mix gives. Raises ArgumentTypeError."""
+    parser = argparse.ArgumentParser(add_help=False, exit_on_error=False, allow_abbrev=False)
+    _add_lights(parser)
+    try:
+        with redirect_stderr(io.StringIO()):
+            told = parser.parse_args(shlex.split(words))
+    except (argparse.ArgumentError, ValueError, SystemExit):
+        told = None
+    if told is None or not (told.light or told.white is not None):
+        raise argparse.ArgumentTypeError("not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' … --white 0..1")
+    return told
+
+
+def _add_lights(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--light",
+        metavar="GROUP=ILLUMINANT[*GAIN]",
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+    )
+    parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 
 
 def _joined(argv: list[str]) -> list[str]:
@@ -79,23 +114,21 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     relight.add_argument(
         "coefficients", metavar="COEFFICIENTS.exr", type=_path, help="a file, or a sequence such as shot.####.exr"
     )
+    _add_lights(relight)
     relight.add_argument(
-        "--light",
-        metavar="GROUP=ILLUMINANT[*GAIN]",
-        nargs="+",
-        action="extend",
-        default=[],
-        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+        "--mix",
+        metavar="WORDS",
+        type=mix,
+        help="what Copy Mix gives on a page of `relume web`, in quotes; --light and --white come after it",
     )
     relight.add_argument(
         "--scene",
         dest="blend",
         metavar="SCENE.blend",
         type=_path,
-        help="what the file was rendered from, for renders whose note does not say enough",
+        help=_SCENE,
     )
-    relight.add_argument("--layer", metavar="NAME", help="one of the artist's view layers; default: the first")
-    relight.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
+    relight.add_argument("--layer", metavar="NAME", help=_LAYER)
     _add_out(relight, "PICTURE", "PICTURE.png, .tif or .exr; with #### for a sequence", required=True)
     relight.add_argument(
         "--resume", action="store_true", help="keep the pictures that are there and newer than their coefficients"
@@ -117,6 +150,8 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     web.add_argument("--title", metavar="TEXT", default="", help="default: the names of the files")
     web.add_argument("--bare", action="store_true", help="the picture alone, to embed in another page")
     _add_out(web, "PAGE.html", "the page", required=True)
+    web.add_argument("--scene", dest="blend", metavar="SCENE.blend", type=_path, help=_SCENE)
+    web.add_argument("--layer", metavar="NAME", help=_LAYER)
 
     demo = commands.add_parser("demo", help="render the test room and relight it")
     _add_out(demo, "DIR", "folder for the results", default="out/demo")

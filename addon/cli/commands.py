@@ -27,16 +27,14 @@ def _run(options: argparse.Namespace) -> None:
         options.out = located(options.out)
     if options.command == "render":
         jobs.render_scene(bpy.context.scene, options)
-    elif options.command == "relight":
+    elif options.command in ("relight", "web"):
         options.coefficients, options.described = located(options.coefficients), None
         if options.blend is not None:
             open_scene(located(options.blend))
             options.described = describe.of_open_file()
-        jobs.relight_file(options)
+        web.run(options) if options.command == "web" else jobs.relight_file(options)
     elif options.command == "describe":
         jobs.describe_scene(options.out)
-    elif options.command == "web":
-        web.run(options)
     elif options.command == "report":
         report.run(options)
     else:

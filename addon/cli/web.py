@@ -13,7 +13,6 @@ from ...core import results
 from ...core.errors import CoefficientImageError, UsageError
 from ...core.picture import coefficients, exr, sequences
 from ..host import console
-from ..host.blend_file import located
 from ..scene import render
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ def run(options: argparse.Namespace) -> None:
 
     if options.out.suffix.lower() not in (".html", ".htm"):
         raise UsageError(f"{options.out}: a page's name ends in .html")
-    pictures = _pictures(located(options.coefficients))
+    pictures = _pictures(options.coefficients, options.described, options.layer)
     with results.folder(options.out.parent):
         results.expect(options.out)
         reached = page.write(
@@ -48,19 +47,22 @@ def run(options: argparse.Namespace) -> None:
     console.wrote(options.out)
 
 
-def _pictures(path: Path) -> list["Picture"]:
+def _pictures(path: Path, described, layer: str | None) -> list["Picture"]:
     """The pictures of a page: of a file, of a sequence, or of all coefficient images in a folder."""
     from ...core.web import page
 
+    def read(file: Path):
+        return partial(coefficients.read, file, described, layer)
+
     if sequences.is_pattern(path):
         files = sequences.files(path)
-        coefficients.describe_all(files.values())
-        return [page.Picture(plain_name(path), {n: partial(coefficients.read, file) for n, file in files.items()})]
+        coefficients.describe_all(files.values(), described, layer)
+        return [page.Picture(plain_name(path), {n: read(file) for n, file in files.items()})]
     found = []
     for file in sorted(path.glob("[!.]*.exr")) if path.is_dir() else [path]:
         try:
-            coefficients.describe(file)
-            found.append(page.Picture(file.stem, {1: partial(coefficients.read, file)}))
+            coefficients.describe(file, described, layer)
+            found.append(page.Picture(file.stem, {1: read(file)}))
         except CoefficientImageError as error:
             if file == path:
                 raise

@@ -1,9 +1,6 @@
 """Share as Web Page, and the mix that comes back from one."""
 
 import argparse
-import io
-import shlex
-from contextlib import redirect_stderr
 from dataclasses import replace
 from pathlib import Path
 
@@ -107,15 +104,11 @@ class PasteMix(NeedsSetUp, Operator):
 
 
 def _pasted(text: str) -> argparse.Namespace:
-    """What the words of `relume relight` say, as its options. Raises UsageError."""
+    """What the words of `relume relight --mix` say, as its options. Raises UsageError."""
     try:
-        with redirect_stderr(io.StringIO()):
-            pasted = arguments.parse(["relight", "x.exr", "--out", "x.png", *shlex.split(text)], in_blender=False)
-    except (ValueError, SystemExit):
-        pasted = None
-    if pasted is None or not (pasted.light or pasted.white is not None):
-        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …")
-    return pasted
+        return arguments.mix(text)
+    except argparse.ArgumentTypeError:
+        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …") from None
 
 
 def _image(context) -> CoefficientImage:

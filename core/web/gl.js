@@ -70,10 +70,20 @@ function glRenderer(canvas) {
     return made;
   }
 
+  function meaning(tables) {
+    const made = texture(gl.TEXTURE_2D);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, 256, tables.length / 256, 0, gl.RED, gl.FLOAT, tables);
+    return made;
+  }
+
+  function put(planes, layer, bitmap) {
+    bind(0, gl.TEXTURE_2D_ARRAY, planes);
+    gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, ...frame.size, 1, gl.RED, gl.UNSIGNED_BYTE, bitmap);
+  }
+
   // Numbers of bytes, once for all: four planes in a layer.
-  function decoded(planes, means, count) {
-    const tables = texture(gl.TEXTURE_2D);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, 256, count, 0, gl.RED, gl.FLOAT, means);
+  function decoded(planes, group, count, bright, means) {
+    const tables = meaning(group.tables);
     const values = layers(gl.RGBA16F, frame.size, Math.ceil(count / 4));
     gl.useProgram(decode.made);
     bind(0, gl.TEXTURE_2D_ARRAY, planes);
@@ -81,6 +91,13 @@ function glRenderer(canvas) {
     gl.uniform1i(decode.at("planes"), 0);
     gl.uniform1i(decode.at("tables"), 1);
     gl.uniform1i(decode.at("count"), count);
+    bind(2, gl.TEXTURE_2D_ARRAY, bright);
+    bind(3, gl.TEXTURE_2D, means);
+    gl.uniform1i(decode.at("bright"), 2);
+    gl.uniform1i(decode.at("means"), 3);
+    gl.uniform1i(decode.at("groups"), frame.groups.length);
+    gl.uniform1f(decode.at("base"), group.floor);
+    gl.uniform1f(decode.at("part"), page.shared);
     for (let layer = 0; layer < Math.ceil(count / 4); layer++) {
       into(values, layer);
       gl.uniform1i(decode.at("first"), 4 * layer);
@@ -105,17 +122,19 @@ function glRenderer(canvas) {
     [canvas.width, canvas.height] = frame.size;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
+    const bright = layers(gl.R8, frame.size, frame.groups.length);
+    const means = meaning(Float32Array.from(frame.groups.flatMap((group) => [...group.tables.subarray(0, 256)])));
+    frame.groups.forEach((group, g) => put(bright, g, group.bitmaps[0]));
     groups = frame.groups.map((group) => {
       const count = group.bitmaps.length;
       const planes = layers(gl.R8, frame.size, count);
-      group.bitmaps.forEach((bitmap, layer) => {
-        gl.texSubImage3D(gl.TEXTURE_2D_ARRAY, 0, 0, 0, layer, ...frame.size, 1, gl.RED, gl.UNSIGNED_BYTE, bitmap);
-        bitmap.close();
-      });
-      const values = decoded(planes, group.tables, count);
+      group.bitmaps.forEach((bitmap, layer) => { put(planes, layer, bitmap); bitmap.close(); });
+      const values = decoded(planes, group, count, bright, means);
       gl.deleteTexture(planes);
       return { values, count, layers: Math.ceil(count / 4) };
     });
+    gl.deleteTexture(bright);
+    gl.deleteTexture(means);
     coverage = null;
     if (frame.alpha) {
       coverage = texture(gl.TEXTURE_2D);
@@ -135,7 +154,6 @@ function glRenderer(canvas) {
       bind(0, gl.TEXTURE_2D_ARRAY, group.values);
       gl.uniform1i(relight.at("values"), 0);
       gl.uniform1i(relight.at("layers"), group.layers);
-      gl.uniform1f(relight.at("base"), frame.groups[g].floor);
       gl.uniform3fv(relight.at("white"), whiteUnder(matrices[g]));
       const axes = new Float32Array(12 * group.layers);
       axes.set(axesUnder(matrices[g], frame.groups[g].basis), 3);
@@ -183,7 +201,7 @@ function glRenderer(canvas) {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // What the p planes say of one pixel, of each light group.
+  // Of one pixel, of each light group: its brightness, and what is left along the axes.
   function valuesAt(x, y) {
     const four = new Float32Array(4);
     const found = groups.map((group) => {

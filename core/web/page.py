@@ -160,6 +160,7 @@ def _head(title: str, bare: bool, seen_by: Sequence) -> dict:
         "observers": [one if isinstance(one, str) else lamps.RENDERED for one in seen_by],
         "xyzToRgb": xyz_to_rgb().ravel().tolist(),
         "white": rgb_to_xyz().sum(axis=1).tolist(),
+        "shared": encoding.SHARED,
         "adaptations": {name: matrix.ravel().tolist() for name, matrix in ADAPTATIONS.items()},
         "words": json.loads((HERE / "words.json").read_text(encoding="utf-8")),
         "models": [],

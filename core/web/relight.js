@@ -1,14 +1,16 @@
 // The page: what is shown, and everything that a person, the address or another page may change.
 
 var now = { picture: null, mix: null, mixes: new Map(), frame: null, number: 0, snapshots: [], compared: null, wipe: 0.5, spot: null };
-let renderer, waiting, loads = 0;
+let renderer, waiting, settling, loads = 0;
 
-function render() {
+// quick: as fast as someone drags, and exactly once that has ended.
+function render(quick = false) {
   waiting = 0;
+  clearTimeout(settling);
   if (!now.frame) return;
   const sides = [lightingOf(now.picture, now.mix)];
   if (now.compared) sides.push(lightingOf(now.picture, now.compared));
-  renderer.draw(sides, Math.round(now.wipe * now.picture.size[0]));
+  if (renderer.draw(sides, Math.round(now.wipe * now.picture.size[0]), quick) === false) settling = setTimeout(() => render(), 150);
   $("problem").textContent = sides[0].problem ? word(sides[0].problem) : "";
   showSpot();
 }
@@ -16,7 +18,7 @@ function render() {
 let saving;
 
 function changed() {
-  waiting ||= requestAnimationFrame(render);
+  waiting ||= requestAnimationFrame(() => render(true));
   const { words, unsaid } = commandOf(now.picture, now.mix);
   $("words").value = words;
   $("unsaid").textContent = unsaid.length ? `${word("said")} ${unsaid.map((key) => word("said_" + key)).join(", ")}.` : "";
@@ -66,7 +68,15 @@ function drawSnapshots() {
 function compareWith(value) {
   $("other").value = value;
   now.compared = value === "" ? null : value === "rendered" ? renderedMix(now.picture) : copyOf(now.snapshots[value].mix);
-  $("wipeField").hidden = !now.compared;
+  $("wipeField").hidden = $("handle").hidden = !now.compared;
+  wipeTo(now.wipe);
+}
+
+function wipeTo(part) {
+  now.wipe = Math.max(0, Math.min(1, part));
+  $("wipe").value = now.wipe;
+  $("handle").style.left = `${100 * now.wipe}%`;
+  $("handle").setAttribute("aria-valuenow", Math.round(100 * now.wipe));
   changed();
 }
 
@@ -86,7 +96,7 @@ async function showFrame(number) {
     const frame = await readFrame(now.picture, number);
     if (load !== loads) return;
     renderer.load(frame);
-    $("picture").style.setProperty("--ratio", frame.size[0] / frame.size[1]);
+    $("sheet").style.setProperty("--ratio", frame.size[0] / frame.size[1]);
     now.frame = frame;
     render();
     $("status").textContent = "";
@@ -130,7 +140,7 @@ function showSpot() {
 function pointAt(x, y) {
   const [width, height] = now.picture.size;
   now.spot = [Math.max(0, Math.min(width - 1, Math.floor(x))), Math.max(0, Math.min(height - 1, Math.floor(y)))];
-  waiting ||= requestAnimationFrame(render);
+  requestAnimationFrame(showSpot);
 }
 
 async function copy(text, field) {
@@ -164,7 +174,17 @@ function listen() {
   $("method").addEventListener("change", () => { now.mix.method = $("method").value; changed(); });
   $("observer").addEventListener("change", () => { now.mix.observer = Number($("observer").value); changed(); });
   $("other").addEventListener("change", () => compareWith($("other").value));
-  $("wipe").addEventListener("input", () => { now.wipe = Number($("wipe").value); changed(); });
+  $("wipe").addEventListener("input", () => wipeTo(Number($("wipe").value)));
+  const handle = $("handle");
+  const follow = (event) => { const box = canvas.getBoundingClientRect(); wipeTo((event.clientX - box.left) / box.width); };
+  handle.addEventListener("pointerdown", (event) => { handle.setPointerCapture(event.pointerId); follow(event); });
+  handle.addEventListener("pointermove", (event) => { if (handle.hasPointerCapture(event.pointerId)) follow(event); });
+  handle.addEventListener("keydown", (event) => {
+    const to = { ArrowLeft: now.wipe - 0.02, ArrowDown: now.wipe - 0.02, ArrowRight: now.wipe + 0.02, ArrowUp: now.wipe + 0.02, Home: 0, End: 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    wipeTo(to);
+  });
   $("frame").addEventListener("input", () => showFrame(Number($("frame").value)));
   $("reset").addEventListener("click", () => setMix(renderedMix(now.picture)));
   $("keep").addEventListener("click", () => {

@@ -18,6 +18,11 @@ uniform sampler2DArray planes; // bytes, one layer for each of p planes
 uniform sampler2D tables;      // what a byte of a plane means, (256, p)
 uniform int first;             // of the four planes that go into one layer
 uniform int count;
+uniform sampler2DArray bright; // the plane of brightness of every light group, and what its bytes mean
+uniform sampler2D means;
+uniform int groups;
+uniform float base;
+uniform float part;          // of the brightness of all that counts as that of each
 out vec4 values;
 
 float value(ivec2 at, int plane) {
@@ -28,7 +33,11 @@ float value(ivec2 at, int plane) {
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  values = vec4(value(at, first), value(at, first + 1), value(at, first + 2), value(at, first + 3));
+  float total = 0.0;
+  for (int g = 0; g < groups; g++) total += texelFetch(means, ivec2(int(texelFetch(bright, ivec3(at, g), 0).r * 255.0 + 0.5), g), 0).r;
+  float scale = value(at, 0) + base + part * total;
+  values = scale * vec4(value(at, first), value(at, first + 1), value(at, first + 2), value(at, first + 3));
+  if (first == 0) values.r = value(at, 0);
 }
 #endif
 
@@ -36,17 +45,15 @@ void main() {
 uniform sampler2DArray values; // brightness and what is left, four of p in a layer
 uniform vec3 white;            // XYZ of coefficients of 1
 uniform mat4x3 axes[MOST];     // XYZ of the axes of what is left, in fours; the first column is empty
-uniform float base;
 uniform int layers;
 out vec4 xyz;
 
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
   vec4 each = texelFetch(values, ivec3(at, 0), 0);
-  float brightness = each.r;
-  vec3 rest = axes[0] * each;
-  for (int k = 1; k < layers; k++) rest += axes[k] * texelFetch(values, ivec3(at, k), 0);
-  xyz = vec4(brightness * white + (brightness + base) * rest, 1.0);
+  vec3 sum = each.r * white + axes[0] * each;
+  for (int k = 1; k < layers; k++) sum += axes[k] * texelFetch(values, ivec3(at, k), 0);
+  xyz = vec4(sum, 1.0);
 }
 #endif
 

@@ -47,7 +47,7 @@ function spotOf(picture, frame, mix, read) {
     const coefficients = Array.from({ length: p }, (_, i) => {
       let rest = 0;
       for (let k = 0; k < p - 1; k++) rest += group.basis[i * (p - 1) + k] * values[k + 1];
-      return values[0] + (values[0] + group.floor) * rest;
+      return values[0] + rest;
     });
     const [lamp, matrix] = [powerOf(mix.lights[g]), matrixOf(model, mix.lights[g], mix.observer)];
     for (let row = 0; row < 3; row++)

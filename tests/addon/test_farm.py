@@ -216,6 +216,9 @@ def test_a_render_without_a_note_says_what_to_do_and_takes_the_scene(farm, tmp_p
     )
     assert commands.execute([*command, "--scene", str(farm / "room.blend")]) == 0
     np.testing.assert_array_equal(coefficients.read_rgb(tmp_path / "x.exr"), lit(farm / "own.exr"))
+    web = ["web", str(path), "--lamps", "A", "--size", "16", "--out", str(tmp_path / "x.html")]
+    assert commands.execute(web) == 1 and not (tmp_path / "x.html").exists()
+    assert commands.execute([*web, "--scene", str(farm / "room.blend")]) == 0
     assert commands.execute(["describe", str(farm / "room.blend"), "--out", str(tmp_path / "relume.json")]) == 0
     assert commands.execute(command) == 1, "who knows whose that is"
     (tmp_path / "relume.json").rename(tmp_path / "bare.relume.json")
@@ -338,6 +341,12 @@ def test_of_several_view_layers_one_is_taken_and_the_others_are_named(tmp_path, 
     assert not np.array_equal(coefficients.read_rgb(tmp_path / "x.exr"), first)
     assert commands.execute([*command, "--layer", "Right"]) == 1
     assert "two.exr: no view layer 'Right'; there are ViewLayer, Left. Ä" in capsys.readouterr().err
+    web = ["web", str(path), "--lamps", "A", "--size", "16", "--out"]
+    for name, layer in (("first", []), ("left", ["--layer", "Left. Ä"])):
+        assert commands.execute([*web, str(tmp_path / f"{name}.html"), *layer]) == 0
+    assert (tmp_path / "first.html").read_bytes() != (tmp_path / "left.html").read_bytes()
+    assert commands.execute([*web, str(tmp_path / "right.html"), "--layer", "Right"]) == 1
+    assert "two.exr: no view layer 'Right'" in capsys.readouterr().err and not (tmp_path / "right.html").exists()
 
 
 def test_renamed_passes_and_an_animated_mix(tmp_path, capsys):

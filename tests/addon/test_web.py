@@ -132,3 +132,20 @@ def test_a_mix_that_was_copied_is_pasted(here):
             assert key.illuminant == "Planckian 2900 K"
     finally:
         bpy.data.scenes.remove(scene)
+
+
+def test_a_mix_that_was_copied_relights(here, capsys):
+    write(here / "shot.exr", ("key", "fill = 2"))
+    words = "--light 'key=Planckian 2900 K*0.5' 'fill = 2=Sodium (low pressure)*2' --white 0.5"
+    plain = ["--light", "key=Planckian 2900 K*0.5", "fill = 2=Sodium (low pressure)*2", "--white", "0.5"]
+    for name, said in (("mix", ["--mix", words]), ("plain", plain)):
+        assert commands.execute(["relight", "shot.exr", *said, "--out", f"{name}.exr"]) == 0
+    pixels = coefficients.read_rgb(here / "plain.exr")
+    np.testing.assert_array_equal(coefficients.read_rgb(here / "mix.exr"), pixels)
+    assert commands.execute(["relight", "shot.exr", "--mix", words, "--light", "key=A", "--out", "other.exr"]) == 0
+    assert not np.array_equal(coefficients.read_rgb(here / "other.exr"), pixels), "what is said beside it counts"
+    for words in ("", "hello", "--out x.png", "--light 'key=A", "--help", "--white 2", "--mix '--white 1'"):
+        assert commands.execute(["relight", "shot.exr", "--mix", words, "--out", "bad.exr"]) == 2
+        assert "argument --mix: " in capsys.readouterr().err
+    assert commands.execute(["relight", "shot.exr", "--mix", "--light rim=A", "--out", "bad.exr"]) == 1
+    assert "no light group 'rim'" in capsys.readouterr().err and not (here / "bad.exr").exists()

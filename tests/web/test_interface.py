@@ -22,6 +22,17 @@ from relume.core.web import page
 ENTER, RIGHT, DOWN, ESCAPE = "\ue007", "\ue014", "\ue015", "\ue00c"
 
 
+# The line of the comparison taken by a pointer, and let go of at a part of the picture's width
+DRAG = """const [kind, to] = arguments, handle = document.getElementById("handle");
+const box = document.getElementById("picture").getBoundingClientRect();
+handle.setPointerCapture = () => (handle.held = true);
+handle.hasPointerCapture = () => handle.held;
+const send = (name, x) => handle.dispatchEvent(new PointerEvent(name, { pointerId: 7, pointerType: kind, bubbles: true,
+  clientX: box.left + x * box.width, clientY: box.top + 20 }));
+send("pointerdown", now.wipe); send("pointermove", (now.wipe + to) / 2); send("pointermove", to);
+handle.held = false; send("pointermove", 0.5);"""
+
+
 def wanted(image, lights, degree=0.0, exposure=0.0):
     """What the page should show of an image: uint8."""
     chosen = dict(zip(image.groups, lights, strict=True))
@@ -118,8 +129,18 @@ def test_wipe_snapshots_keys_and_the_spectrum(browser, chart, chart_page):
     assert (
         np.median(np.abs(shown[:, :95] - left[:, :95])) <= 1 and np.median(np.abs(shown[:, 98:] - right[:, 98:])) <= 1
     )
+    handle, key = browser.element("#handle"), "new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true })"
+    browser.run(f"arguments[0].dispatchEvent({key}); arguments[0].dispatchEvent({key})", handle)
+    assert browser.run("return now.wipe") == pytest.approx(0.54)
+    for kind in ("mouse", "touch"):
+        browser.run(DRAG, kind, 0.25 if kind == "mouse" else 0.8)
+        assert browser.run("return now.wipe") == pytest.approx(0.25 if kind == "mouse" else 0.8, abs=0.01)
+    shown = browser.pixels()[..., :3].astype(int)
+    assert np.median(np.abs(shown[:, :150] - left[:, :150])) <= 1
+    assert np.median(np.abs(shown[:, 158:] - right[:, 158:])) <= 1
     browser.element("#keep").click()
     browser.run("setMix(renderedMix(now.picture)); compareWith('')")
+    assert not handle.is_displayed()
     browser.element("#snapshots button").click()
     assert browser.run("return page.lamps[now.mix.lights[0].lamp].name") == "Mercury"
     picture = browser.element("#picture")
@@ -190,6 +211,18 @@ def test_a_bare_page_answers_the_page_around_it(browser, chart, tmp_path):
     browser.run("frames[0].postMessage({ relume: 'set', mix: 'light=key%3DMercury*2' }, '*')")
     browser.wait("return heard.length > 1")
     assert "key%3DMercury*2" in browser.run("return heard.at(-1).mix")
+    for said in ("{ relume: 'get' }", "{ relume: 'frame', number: 0 }"):
+        before = browser.run("return heard.length")
+        browser.run(f"frames[0].postMessage({said}, '*')")
+        browser.wait(f"return heard.length > {before}")
+        answer = browser.run("return heard.at(-1)")
+        assert answer["relume"] == "mix" and "key%3DMercury*2" in answer["mix"] and answer["frames"] == 1
+        assert answer["picture"] == "chart" and answer["pictures"] == ["chart"]
+    before = browser.run("return heard.length")
+    for said in ("'set'", "null", "{ relume: 7 }", "{ relume: 'set', mix: 3 }", "{ relume: 'frame', number: 'x' }"):
+        browser.run(f"frames[0].postMessage({said}, '*')")
+    browser.wait(f"return heard.length >= {before + 2}")
+    assert "key%3DMercury*2" in browser.run("return heard.at(-1).mix"), "what it cannot read changes nothing"
     assert browser.errors() == []
 
 
