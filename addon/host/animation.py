@@ -8,10 +8,14 @@ circle.
 """
 
 import re
+from collections import Counter
+
+import bpy
 
 __all__ = [
     "acts_on",
     "broken",
+    "count_again",
     "has_any",
     "has_strips",
     "is_animated",
@@ -119,18 +123,43 @@ def _curves(block):
 def is_shared(block, path: str) -> bool:
     """Whether the animation of a property is that of other data-blocks too, and so cannot be moved for this one."""
     for action, slot in _actions(block):
-        if slot and len(slot.users()) > 1 and any(curve.data_path == path for curve in _curves_of(action, slot)):
-            return True
+        if slot and any(curve.data_path == path for curve in _curves_of(action, slot)):
+            return _users()[action.session_uid, slot.handle] > 1
     return False
+
+
+_counted = []  # how many data-blocks each slot animates, once it has been asked for
+
+
+def count_again() -> None:
+    """Forget how many data-blocks share their animation: edits may have changed it."""
+    _counted.clear()
+
+
+def _users() -> Counter:
+    """{(session_uid of an action, handle of its slot): how many data-blocks it animates}.
+
+    Blender's own `ActionSlot.users` may name data-blocks that are gone, and end Blender.
+    """
+    if not _counted:
+        found = Counter()
+        for blocks in bpy.data.user_map(key_types={"ACTION"}).values():
+            for block in blocks:
+                tree = getattr(block, "node_tree", None)
+                for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
+                    found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
+        _counted.append(found)
+    return _counted[0]
 
 
 def move(block, before: str, after: str) -> bool:
     """Let what animates or drives the path `before` of a data-block act on `after`, in the place of what did; whether
     anything does."""
     moved = [curve for curve in _curves(block) if curve.data_path == before]
-    for curves in _own_curves(block) if moved and before != after else ():
-        for curve in [curve for curve in curves if curve.data_path == after]:
-            curves.remove(curve)
+    if moved and before != after and any(curve.data_path == after for curve in _curves(block)):
+        for curves in _own_curves(block):
+            for curve in [curve for curve in curves if curve.data_path == after]:
+                curves.remove(curve)
     for curve in moved:
         curve.data_path = after
     return bool(moved)
@@ -140,7 +169,10 @@ def _own_curves(block) -> list:
     """The collections of drivers and curves of a data-block that no other shares."""
     if block.animation_data is None:
         return []
-    own = dict.fromkeys((action, slot) for action, slot in _actions(block) if slot and len(slot.users()) == 1)
+    count_again()
+    users = _users()
+    own = [(a, slot) for a, slot in _actions(block) if slot and users[a.session_uid, slot.handle] == 1]
+    own = dict.fromkeys(own)
     return [block.animation_data.drivers, *(bag.fcurves for action, slot in own for bag in _bags(action, slot))]
 
 

@@ -16,6 +16,7 @@ import bpy
 from ...core.errors import RelumeError
 from ...core.picture import plan
 from ..graph import nodes, sockets
+from ..host import animation
 from ..host.console import LOG
 from ..store import mixer, properties
 from . import content, faults, passes, rows, setup, view_layers
@@ -90,6 +91,7 @@ def notice(scene, depsgraph) -> bool:
             _noticed.everything = True
         _noticed.content = True
     if _noticed.is_any():
+        animation.count_again()
         _noticed.at, _noticed.work = time.monotonic(), None
     return _noticed.is_any()
 

@@ -7,7 +7,7 @@ import bpy
 
 from ...core.model.factor_model import FactorModel
 from ..graph import insertion, lights, nodes, sockets
-from ..host import inventory
+from ..host import animation, inventory
 from ..store import remarks
 from ..store.remarks import Remark
 from . import compositing, faults, rows
@@ -66,6 +66,7 @@ class Shown:
 
 def look(scene, model: FactorModel, groups: list[str]) -> Shown:
     """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes."""
+    animation.count_again()
     found, numbers = inventory.take(scene), rows.numbers(scene)
     about_scene = faults.remarks_on(scene, found)
     lamps, about_lamps = lights.take_colours(found.lights)
