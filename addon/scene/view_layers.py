@@ -236,7 +236,10 @@ def remove(scene) -> None:
 
 def drive(scene, name: str, otherwise: int) -> None:
     """Give each coefficient pass its own value of a setting of `scene.cycles`; other view layers have `otherwise`."""
-    driver = scene.driver_add(f"cycles.{name}").driver
+    # Blender would build the dependencies of the whole scene anew even if asked for a driver that is there
+    drivers = scene.animation_data.drivers if scene.animation_data else None
+    curve = (drivers.find(f"cycles.{name}") if drivers else None) or scene.driver_add(f"cycles.{name}")
+    driver = curve.driver
     if driver.expression == "own" and driver.variables and driver.variables[0].targets[0].fallback_value == otherwise:
         return
     for variable in list(driver.variables):

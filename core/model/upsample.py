@@ -1,6 +1,6 @@
 """From RGB colours to coefficients, so that every colour comes back exactly under D65."""
 
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -41,7 +41,7 @@ def _rec709_matrix(model: FactorModel) -> Array:
     target = rgb_to_xyz()
     if model.channels < 3:
         return np.tile(target[1], (model.channels, 1))
-    matrix = _nearest(model.coefficients(_primaries(model).T).T, model.relight(library.illuminant("D65")), target)
+    matrix = _nearest(model.coefficients(_primaries(model).T).T, _under_daylight(model), target)
     matrix.setflags(write=False)
     return matrix
 
@@ -60,16 +60,29 @@ def filter_difference(model: FactorModel, rgb: ArrayLike, space: str = REC709) -
     They are red, green, blue and the mixtures of two, of 5 and 80 %, lit by D65 through a filter of that colour; the
     light is as bright as white in a picture.
     """
-    light = np.maximum(np.asarray(rgb, dtype=np.float64), 0.0)
+    return _filter_difference(model, tuple(np.asarray(rgb, dtype=np.float64).tolist()), space)
+
+
+@lru_cache(maxsize=4096)  # a scene has many lights of few colours, and is looked at again and again
+def _filter_difference(model: FactorModel, rgb: tuple[float, ...], space: str) -> float:
+    light = np.maximum(rgb, 0.0)
     luminance = float(rgb_to_xyz(space)[1] @ light)
     if luminance <= 0.0:
         return 0.0
     light /= luminance
     surfaces = 0.05 + 0.75 * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1], [0, 1, 1]])
     matrix = rgb_matrix(model, space)
-    spectral = (matrix @ light * (surfaces @ matrix.T)) @ model.relight(library.illuminant("D65")).T
+    spectral = (matrix @ light * (surfaces @ matrix.T)) @ _under_daylight(model).T
     plain = (light * surfaces) @ rgb_to_xyz(space).T
     return float(differences.delta_E_2000(plain, spectral, D65_WHITE).max())
+
+
+@cache
+def _under_daylight(model: FactorModel) -> Array:
+    """The relight matrix of D65, (3, p)."""
+    matrix = model.relight(library.illuminant("D65"))
+    matrix.setflags(write=False)
+    return matrix
 
 
 def _primaries(model: FactorModel) -> Array:
