@@ -13,6 +13,7 @@ def _modules():
     from .store import palette, properties
     from .ui import (
         icons,
+        light_panel,
         material_panel,
         operators,
         palette_assign,
@@ -33,7 +34,7 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, operators, panels, *palettes, material_panel, handlers, commands
+    return properties, icons, operators, panels, *palettes, material_panel, light_panel, handlers, commands
 
 
 def register() -> None:

@@ -36,7 +36,9 @@ __all__ = [
     "restore",
     "strength_sockets",
     "take_colours",
+    "temperature_of",
     "temperatures_of",
+    "tints_of",
     "why_unusable",
 ]
 
@@ -210,6 +212,18 @@ def _chosen_tints(light) -> Iterator[tuple]:
             tint = tuple(node.inputs["Tint"].default_value[:3])
             if tint != tuple(node.get(insertion.TINT, _WHITE)):
                 yield tint
+
+
+def tints_of(light) -> list:
+    """The inputs of the *Light* nodes that hold the colour of a lamp while it is converted; none while it is not."""
+    if _BEFORE not in light or light.node_tree is None:
+        return []
+    return [node.inputs["Tint"] for node in light.node_tree.nodes if nodes.role(node) == "light"]
+
+
+def temperature_of(light) -> float | None:
+    """The temperature in kelvin that was taken out of a lamp, None if there is none."""
+    return (_BEFORE in light and light[_BEFORE]["temperature"]) or None
 
 
 def restore(light) -> None:

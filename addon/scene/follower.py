@@ -22,7 +22,7 @@ from ..store import mixer, properties
 from . import content, faults, passes, rows, setup, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "notice", "settle", "tick"]
+__all__ = ["follow", "followed", "forget", "held", "is_behind", "notice", "settle", "tick"]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
@@ -62,6 +62,11 @@ def followed() -> list:
     """The scenes of the file that are set up, and can be changed now."""
     scenes = bpy.data.scenes if not _held else ()
     return [s for s in scenes if s.relume.shades and s.is_editable and s.override_library is None]
+
+
+def is_behind() -> bool:
+    """Whether anything was noticed that has not been followed."""
+    return _noticed.is_any()
 
 
 def forget() -> bool:

@@ -3,15 +3,18 @@
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..graph import lights
 from ..store import mixer
-from . import compositing, rows, setup
+from . import compositing, faults, rows, setup
 
-__all__ = ["WAYS", "add", "empty", "regroup", "remove_empty", "rename", "write_gains"]
+__all__ = ["WAYS", "add", "empty", "regroup", "remove_empty", "rename", "set_up", "write_gains"]
 
 WAYS = [
     ("LIGHT", "One per Light", "Every lamp and every shining object gets a light group of its own"),
     ("COLLECTION", "One per Collection", "What shines in the same collection shares a light group"),
     ("ILLUMINANT", "One per Illuminant", "What has the same illuminant in the mixer shares a light group"),
 ]
+
+
+MOST = 12  # light groups that setting up makes for single lights: each is another image in every pass
 
 
 def lamps_of(scene) -> list:
@@ -66,6 +69,33 @@ def regroup(scene, way: str) -> int:
         assigned.append((name, things))
     _assign(scene, assigned)
     return len(assigned)
+
+
+def set_up(scene, way: str) -> str:
+    """Set a scene up with what shines in groups, in one of the `WAYS` or as it is: "KEEP".
+
+    Returns why another way was taken, "" if none was. Raises SetupError; the groups are then what they were.
+    """
+    if way == "KEEP":
+        setup.set_up(scene)
+        return ""
+    faults.check(scene)
+    things, why = lamps_of(scene), ""
+    if way == "LIGHT" and len(things) > MOST:
+        way, why = "COLLECTION", f"by collection, for {len(things)} lights are more than {MOST}"
+    before = [(thing, thing.lightgroup) for thing in things]
+    listed = [(layer, set(layer.lightgroups.keys())) for layer in scene.view_layers]
+    regroup(scene, way)
+    try:
+        setup.set_up(scene)
+    except BaseException:
+        for thing, group in before:
+            thing.lightgroup = group
+        for layer, names in listed:
+            for name in set(layer.lightgroups.keys()) - names:
+                layer.lightgroups.remove(layer.lightgroups[name])
+        raise
+    return why
 
 
 def _key(scene, thing, way: str) -> str:

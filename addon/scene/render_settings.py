@@ -20,6 +20,7 @@ __all__ = [
     "own_value",
     "patch",
     "suspend",
+    "use_cycles",
 ]
 
 SUBSET = ("use_sample_subset", "sample_offset", "sample_subset_length")
@@ -95,6 +96,11 @@ def suspend(scene) -> None:
     if _BEFORE in scene or _SUSPENDED not in scene:
         give_back(scene)
         scene[_SUSPENDED] = True
+
+
+def use_cycles(scene) -> None:
+    """Let Cycles render a scene again."""
+    _put(scene.render, "engine", "CYCLES")
 
 
 def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> None:

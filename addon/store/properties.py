@@ -43,6 +43,13 @@ SWITCHING = [
 ]
 
 
+GROUPING = [
+    ("KEEP", "Leave as They Are", "What shines stays in the light groups that it is in"),
+    ("LIGHT", "One per Light", "Every lamp, every shining object and the world gets a light group of its own"),
+    ("COLLECTION", "One per Collection", "What shines in the same collection shares a light group"),
+]
+
+
 # The standard observers and the cameras that `core.library` knows
 OBSERVERS = [
     ("CIE 1931 2°", "CIE 1931, 2°", "The standard observer of colorimetry: small things"),
@@ -98,6 +105,11 @@ class SceneSettings(PropertyGroup):
         description="Which illuminants the picture has to be exact for",
         items=SWITCHING,
         default="COMMON",
+    )
+    grouping: EnumProperty(
+        name="Light Groups",
+        description="The groups whose light can be chosen apart, without a new render",
+        items=GROUPING,
     )
     split_samples: BoolProperty(
         name="Share Samples",

@@ -3,6 +3,7 @@
 import bpy
 from bpy.types import Panel
 
+from ..scene import light_groups, render_settings
 from ..store.properties import AUTO
 from . import left_out, mixer_panels, remarks_panel, report_panel
 
@@ -28,6 +29,9 @@ def _draw_introduction(layout, settings) -> None:
     column.label(text="Render the whole spectrum,")
     column.label(text="choose the light afterwards.")
     _draw_choice(layout, settings)
+    layout.prop(settings, "grouping")
+    if settings.grouping == "LIGHT":
+        mixer_panels.words(layout, f"More than {light_groups.MOST} lights: by collection")
     row = layout.row()
     row.scale_y = 1.6
     row.operator("relume.set_up", icon="LIGHT_AREA")
@@ -35,9 +39,15 @@ def _draw_introduction(layout, settings) -> None:
 
 def _draw_mixer(layout, settings) -> None:
     model, plan = settings.model(), settings.plan
-    layout.label(
-        text=f"F12 renders {model.passes} pass{'es' if model.passes > 1 else ''} ({model.label})", icon="RENDER_STILL"
-    )
+    if render_settings.is_suspended(settings.id_data):
+        column = layout.column(align=True)
+        column.label(text="Spectral passes wait for Cycles", icon="PAUSE")
+        column.operator("relume.use_cycles", icon="LOOP_BACK")
+    else:
+        passes = f"{model.passes} pass{'es' if model.passes > 1 else ''}"
+        layout.label(text=f"F12 renders {passes} ({model.label})", icon="RENDER_STILL")
+    if plan.get("changed"):
+        mixer_panels.words(layout, plan["changed"][:1].upper() + plan["changed"][1:])
     if plan.get("reason"):
         mixer_panels.words(layout, plan["reason"])
     if plan.get("request") != settings.request:

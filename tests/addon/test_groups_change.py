@@ -7,6 +7,7 @@ from test_render import close, composite
 
 from relume.addon.scene import exr, light_groups, render, setup, view_layers
 from relume.addon.store import mixer, remarks
+from relume.core.errors import SetupError
 from relume.core.model import bases
 from relume.core.picture import coefficients
 
@@ -213,3 +214,31 @@ def test_a_scene_that_relights_an_exr_is_left_alone(mixed, tmp_path):
     assert not any(node.type == "GROUP" for node in bpy.data.node_groups["red"].nodes), "spectra are plain again"
     with pytest.raises(setup.SetupError, match="relights .*shot.exr"):
         setup.set_up(other)
+
+
+def _lamp(name: str):
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, bpy.data.lights.new(name, "POINT")))
+
+
+def test_setting_up_puts_lights_into_groups_first(startup):
+    for number in range(light_groups.MOST - 2):
+        _lamp(f"Lamp {number}")
+    startup.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 1.0
+    count = len(light_groups.lamps_of(startup))
+    assert count == light_groups.MOST, "with the scene's own lamp and its world"
+    assert light_groups.set_up(startup, "LIGHT") == ""
+    assert len(startup.relume.lit) == count
+    assert {thing.lightgroup for thing in light_groups.lamps_of(startup)} == {r.name for r in startup.relume.lit}
+    setup.remove(startup)
+    _lamp("One more")
+    assert light_groups.set_up(startup, "LIGHT") == f"by collection, for {count + 1} lights are more than {count}"
+    assert len(startup.relume.lit) < count
+
+
+def test_light_groups_are_as_before_where_setting_up_fails(startup, monkeypatch):
+    _lamp("Lamp")
+    monkeypatch.setattr(setup, "set_up", lambda scene: (_ for _ in ()).throw(SetupError("no")))
+    with pytest.raises(SetupError):
+        light_groups.set_up(startup, "LIGHT")
+    assert {thing.lightgroup for thing in light_groups.lamps_of(startup)} == {""}
+    assert not any(len(layer.lightgroups) for layer in startup.view_layers)
