@@ -25,8 +25,8 @@ def _mix(settings) -> tuple:
 
 
 def _follow(scene, depsgraph) -> None:
-    if mixer.is_quiet() or not scene.relume.is_set_up or scene.animation_data is None or follower.is_behind():
-        return  # what was edited may have brought rows that the compositing does not have yet
+    if mixer.is_quiet() or not scene.relume.is_set_up or not baking.is_animated(scene) or follower.is_at_work():
+        return  # there may be rows that the compositing does not have yet
     settings = scene.evaluated_get(depsgraph).relume
     mix = _mix(settings)
     if _followed.get(scene.session_uid) == mix:

@@ -16,6 +16,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Callable
+from functools import cache
 
 import bpy
 
@@ -41,10 +42,17 @@ class _Clock:
         self.seconds += time.perf_counter() - began
 
 
+@cache
 def _clocked() -> _Clock:
     handlers = bpy.app.handlers.depsgraph_update_post
     at = next(i for i, handler in enumerate(handlers) if "relume" in handler.__module__)
-    handlers[at] = clock = _Clock(handlers[at])
+    clock = _Clock(handlers[at])
+
+    @bpy.app.handlers.persistent
+    def timed(*arguments) -> None:
+        clock(*arguments)
+
+    handlers[at] = timed
     return clock
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "colours_of",
     "emitters_of",
     "first_illuminant",
+    "glows_of",
     "group_of",
     "has_emitters",
     "light_groups_of",
@@ -251,10 +252,14 @@ def temperatures_of(groups: list[str], lamps: dict, shadings: list) -> dict[str,
 
     lamps: {light: Lamp}, as `take_colours` gives them.
     """
+    return _of_groups(groups, {shading: glows_of(shading, lamps.get(shading.owner)) for shading in shadings})
+
+
+def _of_groups(groups: list[str], glows: dict) -> dict[str, float]:
     found = {}
-    for shading in shadings:
-        for kelvin in _temperatures_in(shading, lamps.get(shading.owner)):
-            found.setdefault(group_of(shading, groups), set()).add(kelvin)
+    for shading, kelvins in glows.items():
+        if kelvins:
+            found.setdefault(group_of(shading, groups), set()).update(kelvins)
     return {name: next(iter(kinds)) for name, kinds in found.items() if len(kinds) == 1 and None not in kinds}
 
 
@@ -263,8 +268,12 @@ def group_of(shading, groups: list[str]) -> str:
     return shading.light_group if shading.light_group in groups else groups[-1]
 
 
-def _temperatures_in(shading, lamp: Lamp | None) -> Iterator[float | None]:
+def glows_of(shading, lamp: Lamp | None) -> tuple[float | None, ...]:
     """Kelvin of each emission of a tree; None for what is no black body."""
+    return tuple(_glows_in(shading, lamp))
+
+
+def _glows_in(shading, lamp: Lamp | None) -> Iterator[float | None]:
     for node in shading.tree.nodes:
         for socket in spectral_sockets(node):
             if kind_of(socket) is Kind.EMISSION and in_use(socket):
@@ -286,7 +295,9 @@ class Lighting:
     def __init__(self, model: FactorModel, groups: dict[str, int], lamps: dict, shadings: list) -> None:
         self.model, self.groups, self.numbers, self.lamps = model, list(groups), groups, lamps
         groups = self.groups
-        self.temperatures = temperatures_of(groups, lamps, shadings)
+        glows = {shading: glows_of(shading, lamps.get(shading.owner)) for shading in shadings}
+        self.temperatures = _of_groups(groups, glows)
+        self.glows = {shading.owner: kelvins for shading, kelvins in glows.items()}
 
     def _emitter(self, name: str, kelvin: float):
         """The emitter group of a black body in a light group."""

@@ -24,6 +24,7 @@ __all__ = [
     "all_trees",
     "describe",
     "emits",
+    "groups_in",
     "shadings_of",
     "spectral_sockets",
     "trees_of",
@@ -119,6 +120,11 @@ def emits(tree) -> bool:
     return any(
         kind_of(socket) is Kind.EMISSION and in_use(socket) for node in tree.nodes for socket in spectral_sockets(node)
     )
+
+
+def groups_in(tree) -> list:
+    """The artist's node groups in a tree."""
+    return [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree and not nodes.role(node)]
 
 
 def upsample_group_for(socket, channels: int):

@@ -15,14 +15,14 @@ import bpy
 
 from ...core.errors import RelumeError
 from ...core.picture import plan
-from ..graph import nodes, sockets
+from ..graph import lights, nodes, sockets
 from ..host import animation
 from ..host.console import LOG
 from ..store import mixer, properties
 from . import content, faults, passes, rows, setup, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "is_behind", "notice", "settle", "tick"]
+__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick"]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
@@ -64,9 +64,9 @@ def followed() -> list:
     return [s for s in scenes if s.relume.shades and s.is_editable and s.override_library is None]
 
 
-def is_behind() -> bool:
-    """Whether anything was noticed that has not been followed."""
-    return _noticed.is_any()
+def is_at_work() -> bool:
+    """Whether scenes are being brought in line, a slice at a time."""
+    return _noticed.work is not None
 
 
 def forget() -> bool:
@@ -180,14 +180,16 @@ def _follow() -> Iterator[None]:
 
 
 def _is_alone(shown: Shown, owner) -> bool:
-    """Whether an edit of a node tree reaches no further than the tree: no lamp, no shine, no node group."""
+    """Whether an edit of a node tree reaches no further than the tree: no lamp, no node group, nothing that shines
+    otherwise than before."""
     if owner not in shown.shadings:
         known = isinstance(owner, bpy.types.NodeTree) and owner.is_embedded_data  # as its owner
         return known or bool(owner.get(nodes.ROLE)) or owner.library is not None
-    tree = shown.shadings[owner].tree
-    if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or owner in shown.emitting or sockets.emits(tree):
+    shading = shown.shadings[owner]
+    if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
         return False
-    return len(shown.parts[owner]) == 1 and not any(n.type == "GROUP" and not nodes.role(n) for n in tree.nodes)
+    known = all(group in shown.shadings for group in sockets.groups_in(shading.tree))
+    return known and lights.glows_of(shading, shown.lighting.lamps.get(owner)) == shown.lighting.glows[owner]
 
 
 def _follow_all(scene) -> Iterator[None]:

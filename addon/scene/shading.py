@@ -20,7 +20,7 @@ class Shown:
     """What a scene shows.
 
     shadings: {material, world, light or node group: how it shades}, of those that can be changed. about_scene: what the
-    scene goes without. about: what was found to stay RGB, by owner. emitting: owners whose trees send out light.
+    scene goes without. about: what was found to stay RGB, by owner.
     things: {session_uid of an object: what of it `matters`}. parts: {owner: itself and all that say what reaches it}.
     """
 
@@ -30,7 +30,6 @@ class Shown:
     things: dict[int, tuple]
     parts: dict[bpy.types.ID, list[bpy.types.ID]]
     about: dict[bpy.types.ID, list[Remark]] = field(default_factory=dict)
-    emitting: set[bpy.types.ID] = field(default_factory=set)
 
     def patch(self, owners: Collection, gentle: bool = False) -> int:
         """Put what should be there before the sockets of some owners' node trees; returns how many nodes changed."""
@@ -39,7 +38,6 @@ class Shown:
         for owner in owners:
             found = [remark for remark in described.remarks if remark.owner == self.shadings[owner].words]
             self.about[owner] = found
-            (self.emitting.add if sockets.emits(self.shadings[owner].tree) else self.emitting.discard)(owner)
         return insertion.patch(described, {self.shadings[owner].tree for owner in owners}, gentle)
 
     def _near(self, owners: Collection) -> list[sockets.Shading]:
@@ -47,7 +45,7 @@ class Shown:
         near = {other: self.shadings[other] for owner in owners for other in self.parts[owner]}
         waiting = list(near)
         while waiting:
-            for inner in _groups_in(self.shadings[waiting.pop()].tree):
+            for inner in sockets.groups_in(self.shadings[waiting.pop()].tree):
                 if inner in self.shadings and inner not in near:
                     near[inner] = self.shadings[inner]
                     waiting.append(inner)
@@ -89,15 +87,11 @@ def _parts(shadings: dict) -> dict:
     if not any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups):
         return parts
     for owner, shading in shadings.items():
-        for inner in _groups_in(shading.tree):
+        for inner in sockets.groups_in(shading.tree):
             if inner in parts and parts[inner] is not parts[owner]:
                 joined = parts[owner] + parts[inner]
                 parts |= dict.fromkeys(joined, joined)
     return parts
-
-
-def _groups_in(tree) -> list:
-    return [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree and not nodes.role(node)]
 
 
 def matters(thing) -> tuple:

@@ -3,8 +3,6 @@
 Blender ends, rather than raise anything, where undo meets a data-block that came without a step of undo.
 """
 
-import OpenImageIO as oiio
-
 PREPARE = """
 import sys
 import time

@@ -88,7 +88,7 @@ def steps():
 
 
 EVENTS = """
-SET_UP, FIELD = (1156, 615), (1165, 650)  # the button, and then the illuminant of the first light group
+SET_UP, FIELD = (1156, 590), (1165, 650)  # the button, and then the illuminant of the first light group
 
 
 def event(kind, value, x, y, **options):
