@@ -110,6 +110,8 @@ def _give_back(scenes: list, before: dict) -> str:
         except Exception:
             _remove(each)
             lost.append(repr(each.name))
+    if before:
+        nodes.keep_spares()
     return ", ".join(lost)
 
 
