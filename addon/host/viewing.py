@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.picture import coefficients
 
-__all__ = ["displayed", "view_of"]
+__all__ = ["displayed", "redraw", "view_of"]
 
 _VIEW = ("view_transform", "look", "exposure", "gamma", "use_curve_mapping", "use_white_balance")
 _WARMTH = ("white_balance_temperature", "white_balance_tint")
@@ -49,3 +49,10 @@ def displayed(scene, rgb: np.ndarray) -> np.ndarray:
             setattr(output, name, value)
         scene.render.dither_intensity = dither
         bpy.data.images.remove(image)
+
+
+def redraw() -> None:
+    """Have all windows show what has changed: Blender does not always see that a panel would say something else."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()

@@ -16,7 +16,7 @@ import bpy
 from ...core.errors import RelumeError
 from ...core.picture import plan
 from ..graph import lights, nodes, sockets
-from ..host import animation
+from ..host import animation, viewing
 from ..host.console import LOG
 from ..store import mixer, properties
 from . import content, faults, passes, rows, setup, view_layers
@@ -176,7 +176,7 @@ def _follow() -> Iterator[None]:
             setup.relight(scene)
             yield
     nodes.keep_spares()
-    _redraw()
+    viewing.redraw()
 
 
 def _is_alone(shown: Shown, owner) -> bool:
@@ -210,12 +210,6 @@ def _follow_all(scene) -> Iterator[None]:
 def _is_carried(scene) -> bool:
     """Whether a scene carries what it says it does: one that was made with the settings of another has only those."""
     return bool(view_layers.preview_layers(scene) or view_layers.pass_layers(scene))
-
-
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            area.tag_redraw()
 
 
 def settle(scene) -> None:

@@ -13,7 +13,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination
 from ...core.picture.mix import Light, Mix
 from ..graph import glass, insertion, lights, nodes, sockets, spectra
-from ..host import interruption
+from ..host import interruption, viewing
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
 from . import compositing, content, faults, note, passes, render_settings, rows, shading, surfaces, view_layers
@@ -252,6 +252,7 @@ def update(scene, model: FactorModel | None = None) -> None:
     with interruption.held_back(), mixer.quiet():
         for each in [scene, *_others_without(scene, json.dumps(model.to_dict()))]:
             _put_in(each, model, rows.members_of(each))
+    viewing.redraw()
 
 
 def _others_without(scene, described: str) -> list:
