@@ -96,9 +96,10 @@ def test_a_killed_report_leaves_nothing_that_a_rerun_does_not_mend(reported, tmp
         process.stderr.close()
     assert commands.execute([*arguments[:-1], str(other)]) == 0
     assert {path.name: path.read_bytes() for path in other.rglob("*.exr")} == expected
-    assert {name: row["model"] for name, row in rows_of(other).items()} == {
-        name: row["model"] for name, row in rows_of(folder).items()
-    }
+    found, whole = rows_of(other), rows_of(folder)
+    assert found.keys() == whole.keys()
+    for name in whole:  # BLAS does not promise the same last bit twice
+        assert found[name]["model"] == pytest.approx(whole[name]["model"], rel=1e-9, abs=1e-12)
     assert not list(other.rglob(".*"))
 
 
