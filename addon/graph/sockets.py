@@ -25,6 +25,7 @@ __all__ = [
     "describe",
     "emits",
     "groups_in",
+    "has_spectra",
     "shadings_of",
     "spectral_sockets",
     "trees_of",
@@ -74,11 +75,12 @@ def trees_of(scene) -> list:
     return [(shading.tree, shading.light_group) for shading in shadings_of(take(scene))[0]]
 
 
-def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
+def shadings_of(inventory: Inventory, inner: Callable | None = None) -> tuple[list[Shading], list[Remark]]:
     """The node trees that shade a scene and can be changed, and remarks on those that cannot.
 
-    Groups inside trees come once, as part of the first tree that uses them.
+    Groups inside trees come once, as part of the first tree that uses them. inner: `groups_in`, where that is known.
     """
+    inner = inner or groups_in
     found, remarks = {}, []
 
     def visit(tree, owner, light_group) -> None:
@@ -89,9 +91,8 @@ def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
                 remarks.append(untouchable(owner))
             return
         found[tree] = Shading(tree, owner, light_group)
-        for node in tree.nodes:
-            if node.type == "GROUP":
-                visit(node.node_tree, node.node_tree, light_group)
+        for group in inner(tree):
+            visit(group, group, light_group)
 
     if inventory.world:
         visit(inventory.world.node_tree, inventory.world, inventory.world.lightgroup)
@@ -127,6 +128,11 @@ def groups_in(tree) -> list:
     return [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree and not nodes.role(node)]
 
 
+def has_spectra() -> bool:
+    """Whether the file has measured spectra."""
+    return any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
+
+
 def upsample_group_for(socket, channels: int):
     """The *Upsample* group that goes in front of a socket; before a mix nothing is held to the bounds of a closure."""
     return node_groups.upsample_group(channels, vector=socket.type == "VECTOR", bounds=bounds_of(socket))
@@ -153,7 +159,7 @@ class Conversion:
 
     def __init__(self, shadings: list[Shading], channels: int) -> None:
         self.channels = channels
-        self.has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
+        self.has_spectra = has_spectra()
         self.by_tree = {shading.tree: shading for shading in shadings}
         self.wiring = Wiring(self.by_tree)
         self.wanted: dict[bpy.types.NodeSocket, list[Insertion]] = {}

@@ -25,6 +25,7 @@ __all__ = [
     "move",
     "paths",
     "renumber",
+    "shared",
 ]
 
 _PREFIX = "node_tree."
@@ -126,6 +127,13 @@ def is_shared(block, path: str) -> bool:
         if slot and any(curve.data_path == path for curve in _curves_of(action, slot)):
             return _users()[action.session_uid, slot.handle] > 1
     return False
+
+
+def shared(block) -> tuple:
+    """How many data-blocks each of the actions moves that animate a data-block; () where none does."""
+    if block.animation_data is None:
+        return ()
+    return tuple(_users()[action.session_uid, slot.handle] for action, slot in _actions(block) if slot)
 
 
 _counted = []  # how many data-blocks each slot animates, once it has been asked for

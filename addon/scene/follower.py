@@ -16,10 +16,11 @@ import bpy
 from ...core.errors import RelumeError
 from ...core.picture import plan
 from ..graph import lights, nodes, sockets
+from ..graph.memory import Memory
 from ..host import animation, viewing
 from ..host.console import LOG
 from ..store import mixer, properties
-from . import content, faults, passes, rows, setup, view_layers
+from . import content, faults, passes, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
 __all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick"]
@@ -54,6 +55,7 @@ class _Noticed:
 
 
 _shown: dict[int, Shown] = {}  # by the scene's session_uid: what was found when it was looked at last
+_memories: dict[int, Memory] = {}  # by the same
 _noticed = _Noticed()
 _held = 0
 
@@ -73,6 +75,7 @@ def forget() -> bool:
     """Look at all scenes again: what was known of them is gone after undo, or when a file was read. Returns whether
     there is anything to follow."""
     _shown.clear()
+    _memories.clear()
     _noticed.done()
     _noticed.everything = _noticed.content = bool(followed())
     _noticed.at = time.monotonic()
@@ -185,11 +188,11 @@ def _is_alone(shown: Shown, owner) -> bool:
     if owner not in shown.shadings:
         known = isinstance(owner, bpy.types.NodeTree) and owner.is_embedded_data  # as its owner
         return known or bool(owner.get(nodes.ROLE)) or owner.library is not None
-    shading = shown.shadings[owner]
+    shades = shown.shadings[owner]
     if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
         return False
-    known = all(group in shown.shadings for group in sockets.groups_in(shading.tree))
-    return known and lights.glows_of(shading, shown.lighting.lamps.get(owner)) == shown.lighting.glows[owner]
+    known = all(group in shown.shadings for group in sockets.groups_in(shades.tree))
+    return known and lights.glows_of(shades, shown.lighting.lamps.get(owner)) == shown.lighting.glows[owner]
 
 
 def _follow_all(scene) -> Iterator[None]:
@@ -197,14 +200,20 @@ def _follow_all(scene) -> Iterator[None]:
     if not _is_carried(scene):
         setup.remove(scene)
         return
+    surveyed = yield from shading.survey(scene, _memory_of(scene))
     try:
-        faults.check(scene)
+        faults.check(scene, bool(surveyed.members))
     except RelumeError as error:
         scene.relume["problem"] = str(error)
         return
     _shown[scene.session_uid] = yield from setup.bring_in_line(
-        scene, scene.relume.model(), rows.members_of(scene), gentle=True
+        scene, scene.relume.model(), rows.members_of(scene), surveyed, gentle=True
     )
+
+
+def _memory_of(scene) -> Memory:
+    """What is known of the node trees of a scene."""
+    return _memories.setdefault(scene.session_uid, Memory())
 
 
 def _is_carried(scene) -> bool:
@@ -220,8 +229,9 @@ def settle(scene) -> None:
     try:
         with nodes.orphans_stay():
             if _is_carried(scene):
-                setup.update(scene)
-                setup.release()
+                _noticed.work = None  # what it knows of node trees is about to change
+                shown = _shown[scene.session_uid] = setup.update(scene, memory=_memory_of(scene))
+                setup.release({scene.name: shown})
                 _plan_again(scene)
             else:
                 setup.remove(scene)

@@ -10,7 +10,6 @@ from contextlib import contextmanager, suppress
 import bpy
 
 from ...core.errors import SetupError
-from ..graph import lights
 from ..host import animation
 from ..store import mixer, schema
 from ..store.mixer import CURVE
@@ -41,15 +40,15 @@ def members_of(scene) -> dict[str, list[str]]:
     return json.loads(scene.get(_MEMBERS, "{}"))
 
 
-def sync(scene, before: dict[str, list[str]]) -> list[str]:
+def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list[str]:
     """Bring the rows in line with the light groups that shine; returns the names of these, in order.
 
-    before: what shone in each group when the rows were written (`members_of`). A row whose group is gone follows its
+    before: what shone in each group when the rows were written (`members_of`). now: what does. A row whose group is gone follows its
     lamps, where these are all in one group that is new: in Blender's own lists a group is renamed so. So does a row of
     which nobody knows the lamps, if it is the only one without and one group is new. Otherwise a row stays, without
     light and behind the others, if the artist chose anything in it.
     """
-    settings, now = scene.relume, lights.members_of(scene)
+    settings = scene.relume
     rows, names = settings.light_groups, list(now)
     _follow_renames(settings, before, now)
     with _followed_by_animation(settings):

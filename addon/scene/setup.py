@@ -1,8 +1,9 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Mapping
 from dataclasses import replace
+from types import MappingProxyType
 
 import bpy
 import numpy as np
@@ -13,6 +14,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination
 from ...core.picture.mix import Light, Mix
 from ..graph import glass, insertion, lights, nodes, sockets, spectra
+from ..graph.memory import Memory
 from ..host import interruption, viewing
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
@@ -117,19 +119,29 @@ def _give_back(scenes: list, before: dict) -> str:
 
 def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
     """Bring all that a scene carries in line. let_through: called where Ctrl-C may come."""
-    for _ in bring_in_line(scene, model, members):
-        let_through()
+    surveyed = _finished(shading.survey(scene, Memory(is_lasting=False)), let_through)
+    _finished(bring_in_line(scene, model, members, surveyed), let_through)
+
+
+def _finished(steps: Generator, between: Callable[[], None] = lambda: None):
+    """What a generator returns in the end. between: called wherever it pauses."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            return done.value
+        between()
 
 
 def bring_in_line(
-    scene, model: FactorModel, members: dict, gentle: bool = False
+    scene, model: FactorModel, members: dict, surveyed: shading.Survey, gentle: bool = False
 ) -> Generator[None, None, shading.Shown]:
     """Bring all that a scene carries in line with the scene and with `model`; what is right stays untouched.
 
     A generator that yields where there may be a pause, and returns what the scene shows. members: what shone in each
-    light group before. gentle: an artist is at work, as in `insertion.patch`.
+    light group before. surveyed: what the scene reaches. gentle: an artist is at work, as in `insertion.patch`.
     """
-    groups = rows.sync(scene, members)
+    groups = rows.sync(scene, members, surveyed.members)
     described = json.dumps(model.to_dict())
     if scene.get(properties.MODEL) != described:
         scene[properties.MODEL] = described
@@ -138,7 +150,7 @@ def bring_in_line(
     spectra.update_all(model)
     glass.update_all(model)
     yield
-    shown = shading.look(scene, model, groups)
+    shown = yield from shading.look(scene, model, groups, surveyed)
     yield
     for _ in shown.patch_all(gentle):
         yield
@@ -241,18 +253,22 @@ def follow(scene, said: dict) -> None:
         scene.relume["problem"] = str(error)
 
 
-def update(scene, model: FactorModel | None = None) -> None:
+def update(scene, model: FactorModel | None = None, memory: Memory | None = None) -> shading.Shown:
     """Bring all that a scene carries in line with the scene, as setting it up afresh would. Changes only what differs.
 
-    model: another one than it has; the other scenes of the file, which share it, get it too. Raises SetupError.
+    model: another one than it has; the other scenes of the file, which share it, get it too. memory: what is known of
+    its node trees. Returns what the scene shows. Raises SetupError.
     """
-    faults.check(scene)
+    surveyed = _finished(shading.survey(scene, memory or Memory(is_lasting=False)))
+    faults.check(scene, bool(surveyed.members))
     schema.check(scene)
     model = model or scene.relume.model()
     with interruption.held_back(), mixer.quiet():
-        for each in [scene, *_others_without(scene, json.dumps(model.to_dict()))]:
+        shown = _finished(bring_in_line(scene, model, rows.members_of(scene), surveyed))
+        for each in _others_without(scene, json.dumps(model.to_dict())):
             _put_in(each, model, rows.members_of(each))
     viewing.redraw()
+    return shown
 
 
 def _others_without(scene, described: str) -> list:
@@ -305,14 +321,19 @@ def _take_out(scene) -> None:
             del scene[key]
 
 
-def release() -> None:
-    """Take the set-up out of materials, lamps and worlds that no scene shows any more."""
-    _release([scene for scene in bpy.data.scenes if scene.relume.shades])
+def release(known: dict[str, shading.Shown]) -> None:
+    """Take the set-up out of materials, lamps and worlds that no scene shows any more. known: what some scenes show."""
+    _release([scene for scene in bpy.data.scenes if scene.relume.shades], known)
 
 
-def _release(shown: list) -> None:
+def _release(shown: list, known: Mapping = MappingProxyType({})) -> None:
     """Take the set-up out of what none of some scenes shows."""
-    kept_trees = {tree for scene in shown for tree, _ in sockets.trees_of(scene)}
+    kept_trees = set()
+    for scene in shown:
+        if scene.name in known:
+            kept_trees.update(each.tree for each in known[scene.name].shadings.values())
+        else:
+            kept_trees.update(tree for tree, _ in sockets.trees_of(scene))
     kept_lights = {thing.data for scene in shown for thing in scene.objects if thing.type == "LIGHT"}
     for light in lights.local_lights():
         if light not in kept_lights:
