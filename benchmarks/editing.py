@@ -68,9 +68,9 @@ def _pieces() -> list[float]:
     while wait is not None:
         if wait > 0.02:
             time.sleep(wait)
-        began = time.perf_counter()
+        began = time.thread_time()
         wait = follower.tick()
-        pieces.append(time.perf_counter() - began)
+        pieces.append(time.thread_time() - began)
         bpy.context.view_layer.update()
     return pieces
 

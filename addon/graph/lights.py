@@ -32,6 +32,7 @@ __all__ = [
     "glows_of",
     "group_of",
     "has_emitters",
+    "is_taken",
     "light_groups_of",
     "members_of",
     "restore",
@@ -150,6 +151,11 @@ def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
 def colours_of(lights: Iterable) -> dict:
     """{light: Lamp} of the lamps whose colours `take_colours` takes, whether or not it has."""
     return {light: _colour_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
+
+
+def is_taken(light) -> bool:
+    """Whether the colour of a lamp was taken out of it."""
+    return _BEFORE in light and _uses_nodes(light)
 
 
 def _is_own(light) -> bool:

@@ -110,9 +110,11 @@ def matters_of(block) -> tuple | None:
 
 def tick() -> float | None:
     """Timer: follow what was noticed once the artist pauses; returns the seconds until it is to run again."""
-    waited = time.monotonic() - _noticed.at
     if not _noticed.is_any():
         return None
+    if not mixer.is_quiet():
+        viewing.update()  # so that Blender says what was edited until now
+    waited = time.monotonic() - _noticed.at
     if waited < _PAUSE:
         return _PAUSE - waited
     if bpy.app.is_job_running("RENDER") or mixer.is_quiet():
@@ -122,6 +124,7 @@ def tick() -> float | None:
 
 def follow() -> None:
     """Follow at once all that was noticed, as `tick` does by and by. Leaves what an artist may just be choosing."""
+    viewing.update()
     if _noticed.is_any():
         _work_on(float("inf"))
 
@@ -131,9 +134,12 @@ def _work_on(until: float) -> bool:
     try:
         with mixer.quiet(), nodes.orphans_stay():
             _noticed.work = _noticed.work or _follow()
-            while next(_noticed.work, _DONE) is not _DONE:
-                if time.monotonic() > until:
-                    return True
+            try:
+                while next(_noticed.work, _DONE) is not _DONE:
+                    if time.monotonic() > until:
+                        return True
+            finally:
+                viewing.update()  # quietly: what was changed here is no edit
     except ReferenceError:  # a data-block went away meanwhile
         return forget()
     except Exception as error:
@@ -171,6 +177,7 @@ def _follow() -> Iterator[None]:
             yield from _follow_all(scene)
             continue
         for owner in owners:
+            shown.take_colour(owner)
             if owner in shown.shadings and shown.patch([owner], gentle=True):
                 shown.note_remarks(scene)
             yield
@@ -183,16 +190,20 @@ def _follow() -> Iterator[None]:
 
 
 def _is_alone(shown: Shown, owner) -> bool:
-    """Whether an edit of a node tree reaches no further than the tree: no lamp, no node group, nothing that shines
-    otherwise than before."""
+    """Whether an edit of a node tree reaches no further than the tree: no node group, nothing that shines
+    otherwise than before; a lamp may have another colour."""
     if owner not in shown.shadings:
         known = isinstance(owner, bpy.types.NodeTree) and owner.is_embedded_data  # as its owner
         return known or bool(owner.get(nodes.ROLE)) or owner.library is not None
-    shades = shown.shadings[owner]
-    if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
+    shades, lamp = shown.shadings[owner], shown.lighting.lamps.get(owner)
+    if isinstance(owner, bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
         return False
+    if isinstance(owner, bpy.types.Light):
+        now = lights.colours_of([owner]).get(owner)
+        if lamp is None or now is None or now.temperature != lamp.temperature or not lights.is_taken(owner):
+            return False
     known = all(group in shown.shadings for group in sockets.groups_in(shades.tree))
-    return known and lights.glows_of(shades, shown.lighting.lamps.get(owner)) == shown.lighting.glows[owner]
+    return known and lights.glows_of(shades, lamp) == shown.lighting.glows[owner]
 
 
 def _follow_all(scene) -> Iterator[None]:

@@ -55,6 +55,11 @@ class Shown:
     memory: Memory
     about: dict[bpy.types.ID, list[Remark]] = field(default_factory=dict)
 
+    def take_colour(self, owner) -> None:
+        """Take the colour out of a lamp that has another than before, but is of the same temperature."""
+        if owner in self.lighting.lamps:
+            self.lighting.lamps |= lights.take_colours([owner])[0]
+
     def patch(self, owners: Collection, gentle: bool = False) -> int:
         return self._patch(owners, self._near(owners, sockets.groups_in), gentle)[0]
 
