@@ -138,7 +138,7 @@ def bring_in_line(
     spectra.update_all(model)
     glass.update_all(model)
     yield
-    shown = shading.look(scene, model, groups)
+    shown = shading.look(scene, model, groups, gentle)
     yield
     for _ in shown.patch_all(gentle):
         yield

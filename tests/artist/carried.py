@@ -85,8 +85,9 @@ def _shading(tree, owner, groups: dict) -> dict:
     loose = [n for n in tree.nodes if _is_ours(n) and not any(socket.is_linked for socket in n.outputs)]
     own = {key: _own(owner[key], tree) for key in owner.keys() if key.startswith("relume_")}
     lamp = [list(owner.color), owner.use_temperature, owner.energy] if owner.id_type == "LIGHT" else []
-    if lamp and any(path == "color" or "relume_moved" in owner for path in animation.paths(owner, owner)):
-        lamp[0] = own.get("relume_color", {})["color"] = "animated"
+    if lamp and ("relume_moved" in owner or "color" in animation.paths(owner, owner)):
+        own.get("relume_color", {})["color"] = "animated"
+        lamp[0] = lamp[0] if "relume_moved" in owner else "animated"
     if lamp and "energy" in animation.paths(owner, owner):
         lamp[2] = "animated"
     return {
