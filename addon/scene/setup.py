@@ -1,7 +1,9 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from collections.abc import Callable, Generator, Iterable, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import closing
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -32,6 +34,7 @@ __all__ = [
     "release",
     "remove",
     "set_up",
+    "setting_up",
     "update",
 ]
 
@@ -44,12 +47,20 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
     Raises SetupError.
     """
+    with interruption.held_back() as let_through, closing(setting_up(scene, model)) as steps:
+        for _ in steps:
+            let_through()
+
+
+def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
+    """Do what `set_up` does piece by piece; yields what is being done. Closed on the way, it leaves all as it was."""
     faults.check(scene)
     schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
+        yield "looking at the scene"
         shows = content.content_of(scene)
-        found = planned(scene, shows)
+        found = yield from _meanwhile("choosing channels", planned, shows, scene.relume.tolerance)
         model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
     model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
@@ -60,7 +71,7 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     scenes = [scene, *others]
     before = {s: (s[properties.MODEL], plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
     at = scene
-    with interruption.held_back() as let_through, mixer.quiet():
+    with mixer.quiet():
         try:
             for each in scenes:
                 rows.mark(each.relume)
@@ -68,7 +79,8 @@ def set_up(scene, model: FactorModel | None = None) -> None:
                 _take_out(each)
             for each in scenes:
                 at = each
-                _put_in(each, model, before[each][2] if each in before else {}, let_through)
+                for _ in bring_in_line(each, model, before[each][2] if each in before else {}):
+                    yield f"setting up {each.name}"
                 each[properties.PLAN] = chosen
             for each in scenes:
                 rows.settle(each.relume)
@@ -86,9 +98,18 @@ def set_up(scene, model: FactorModel | None = None) -> None:
             raise SetupError(f"{what}: {error}") from error
 
 
-def planned(scene, shows: plan.Content) -> plan.Plan:
+def _meanwhile(words: str, work: Callable, *arguments) -> Generator[str]:
+    """Have a thread do what needs nothing of Blender; yields the words until it is done, and returns the result."""
+    with ThreadPoolExecutor(1) as pool:
+        task = pool.submit(work, *arguments)
+        while not wait([task], timeout=0.05).done:
+            yield words
+        return task.result()
+
+
+def planned(shows: plan.Content, tolerance: float) -> plan.Plan:
     """The plan for what a scene shows, with the channels in their order."""
-    found = plan.choose(shows, scene.relume.tolerance, _LEAST)
+    found = plan.choose(shows, tolerance, _LEAST)
     return replace(found, chosen=replace(found.chosen, model=channel_order.balanced(found.model)))
 
 
@@ -117,30 +138,30 @@ def _give_back(scenes: list, before: dict) -> str:
     return ", ".join(lost)
 
 
-def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
-    """Bring all that a scene carries in line. let_through: called where Ctrl-C may come."""
-    surveyed = _finished(shading.survey(scene, Memory(is_lasting=False)), let_through)
-    _finished(bring_in_line(scene, model, members, surveyed), let_through)
+def _put_in(scene, model: FactorModel, members: dict) -> None:
+    """Bring all that a scene carries in line at once."""
+    _finished(bring_in_line(scene, model, members))
 
 
-def _finished(steps: Generator, between: Callable[[], None] = lambda: None):
-    """What a generator returns in the end. between: called wherever it pauses."""
+def _finished(steps: Generator):
+    """What a generator returns in the end."""
     while True:
         try:
             next(steps)
         except StopIteration as done:
             return done.value
-        between()
 
 
 def bring_in_line(
-    scene, model: FactorModel, members: dict, surveyed: shading.Survey, gentle: bool = False
+    scene, model: FactorModel, members: dict, gentle: bool = False, surveyed: shading.Survey | None = None
 ) -> Generator[None, None, shading.Shown]:
     """Bring all that a scene carries in line with the scene and with `model`; what is right stays untouched.
 
     A generator that yields where there may be a pause, and returns what the scene shows. members: what shone in each
-    light group before. surveyed: what the scene reaches. gentle: an artist is at work, as in `insertion.patch`.
+    light group before. gentle: an artist is at work, as in `insertion.patch`. surveyed: what the scene reaches, where
+    that is known.
     """
+    surveyed = surveyed or (yield from shading.survey(scene, Memory(is_lasting=False)))
     groups = rows.sync(scene, members, surveyed.members)
     described = json.dumps(model.to_dict())
     if scene.get(properties.MODEL) != described:
@@ -150,7 +171,7 @@ def bring_in_line(
     spectra.update_all(model)
     glass.update_all(model)
     yield
-    shown = yield from shading.look(scene, model, groups, surveyed)
+    shown = yield from shading.look(scene, model, groups, surveyed, gentle)
     yield
     for _ in shown.patch_all(gentle):
         yield
@@ -264,7 +285,7 @@ def update(scene, model: FactorModel | None = None, memory: Memory | None = None
     schema.check(scene)
     model = model or scene.relume.model()
     with interruption.held_back(), mixer.quiet():
-        shown = _finished(bring_in_line(scene, model, rows.members_of(scene), surveyed))
+        shown = _finished(bring_in_line(scene, model, rows.members_of(scene), surveyed=surveyed))
         for each in _others_without(scene, json.dumps(model.to_dict())):
             _put_in(each, model, rows.members_of(each))
     viewing.redraw()

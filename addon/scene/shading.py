@@ -58,7 +58,7 @@ class Shown:
     def take_colour(self, owner) -> None:
         """Take the colour out of a lamp that has another than before, but is of the same temperature."""
         if owner in self.lighting.lamps:
-            self.lighting.lamps |= lights.take_colours([owner])[0]
+            self.lighting.lamps |= lights.take_colours([owner], gentle=True)[0]
 
     def patch(self, owners: Collection, gentle: bool = False) -> int:
         return self._patch(owners, self._near(owners, sockets.groups_in), gentle)[0]
@@ -118,13 +118,18 @@ class Shown:
         remarks.write(scene, [*self.about_scene, *about_trees, *compositing.remarks_on(scene)])
 
 
-def look(scene, model: FactorModel, groups: list[str], surveyed: Survey) -> Generator[None, None, Shown]:
-    """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes."""
+def look(
+    scene, model: FactorModel, groups: list[str], surveyed: Survey, gentle: bool = False
+) -> Generator[None, None, Shown]:
+    """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes.
+
+    gentle: an artist is at work, as in `lights.take_colours`.
+    """
     animation.count_again()
     found, memory, numbers = surveyed.found, surveyed.memory, rows.numbers(scene)
     about_scene = faults.remarks_on(scene, found)
     yield
-    lamps, about_lamps = lights.take_colours(found.lights)
+    lamps, about_lamps = lights.take_colours(found.lights, gentle)
     for light in lamps:
         memory.forget(light.node_tree)
     yield
