@@ -156,9 +156,8 @@ def _mix(node) -> list:
 def _group(node) -> list:
     tree = node.node_tree
     found = [node.name, node.mute, tree and tree.as_pointer()]
-    if tree is not None and nodes.role(node) in nodes.INSERTED:
-        inputs = node.inputs
-        return found + [inputs[number].default_value[:] for number in range(min(2, len(inputs)))]  # Color, Tint
+    if tree is not None and tree.get(nodes.ROLE) in nodes.INSERTED:
+        return found + [socket.default_value[:] for socket in node.inputs[:2]]  # Color, Tint
     for socket in node.inputs:
         kind = socket.type
         found += (socket.identifier, kind)

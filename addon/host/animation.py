@@ -9,6 +9,7 @@ circle.
 
 import re
 from collections import Counter
+from collections.abc import Collection
 
 import bpy
 
@@ -139,9 +140,14 @@ def shared(block) -> tuple:
 _counted = []  # how many data-blocks each slot animates, once it has been asked for
 
 
-def count_again() -> None:
-    """Forget how many data-blocks share their animation: edits may have changed it."""
+def count_again(animated: Collection | None = None) -> None:
+    """Forget how many data-blocks share their animation: edits may have changed it.
+
+    animated: all data-blocks of the file that use an action, where that is known.
+    """
     _counted.clear()
+    if animated is not None:
+        _counted.append(_users_of(animated))
 
 
 def _users() -> Counter:
@@ -150,14 +156,17 @@ def _users() -> Counter:
     Blender's own `ActionSlot.users` may name data-blocks that are gone, and end Blender.
     """
     if not _counted:
-        found = Counter()
-        for blocks in bpy.data.user_map(key_types={"ACTION"}).values():
-            for block in blocks:
-                tree = getattr(block, "node_tree", None)
-                for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
-                    found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
-        _counted.append(found)
+        _counted.append(_users_of(set().union(*bpy.data.user_map(key_types={"ACTION"}).values())))
     return _counted[0]
+
+
+def _users_of(animated: Collection) -> Counter:
+    found = Counter()
+    for block in animated:
+        tree = getattr(block, "node_tree", None)
+        for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
+            found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
+    return found
 
 
 def move(block, before: str, after: str) -> bool:

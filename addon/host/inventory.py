@@ -13,15 +13,17 @@ class Inventory:
     blocks: all of them, the scene first.
     objects: those of the scene, then those that collections, Geometry Nodes and particles bring in.
     materials: {material: the first object that shows it, or None}.
+    animated: the data-blocks that use an action, all those of the file.
     """
 
-    def __init__(self, scene, uses: dict) -> None:
+    def __init__(self, scene, uses: dict, animated: set) -> None:
         reached = _reached(scene, uses)
         own = list(scene.objects)
         known = set(own)
         self.blocks = list(reached)
         self.objects = own + [block for block in reached if isinstance(block, bpy.types.Object) and block not in known]
         self.world = scene.world
+        self.animated = animated
         self._uses = uses
         self.materials = {}
         for thing in self.objects:
@@ -72,14 +74,17 @@ def take(scene) -> Inventory:
 
 def taking(scene) -> Generator[None, None, Inventory]:
     """`take`, with pauses."""
-    uses, kinds = {}, {kind.identifier for kind in bpy.types.ID.bl_rna.properties["id_type"].enum_items}
+    uses, animated = {}, set()
+    kinds = {kind.identifier for kind in bpy.types.ID.bl_rna.properties["id_type"].enum_items}
     # Materials take longest to ask, for all that their nodes may use
     for asked in ({"MATERIAL"}, kinds - {"MATERIAL"}):
         for block, users in bpy.data.user_map(value_types=asked).items():
             for user in users:
                 uses.setdefault(user, []).append(block)
+            if isinstance(block, bpy.types.Action):
+                animated |= users
         yield
-    return Inventory(scene, uses)
+    return Inventory(scene, uses, animated)
 
 
 def _reached(scene, uses: dict) -> dict:

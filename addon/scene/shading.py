@@ -125,8 +125,8 @@ def look(
 
     gentle: an artist is at work, as in `lights.take_colours`.
     """
-    animation.count_again()
     found, memory, numbers = surveyed.found, surveyed.memory, rows.numbers(scene)
+    animation.count_again(found.animated)
     about_scene = faults.remarks_on(scene, found)
     yield
     lamps, about_lamps = lights.take_colours(found.lights, gentle)
