@@ -154,7 +154,7 @@ def colours_of(lights: Iterable) -> dict:
 
 
 def _is_own(light) -> bool:
-    return light.library is None and light.override_library is None
+    return not inventory.is_foreign(light)
 
 
 def _obstacle(light) -> str:

@@ -8,7 +8,7 @@ from bpy.utils import register_classes_factory
 
 from ...core.errors import RelumeError
 from ..host import interruption
-from ..scene import light_groups, render_settings, setup
+from ..scene import light_groups, linked, render_settings, setup
 from . import dial, files, inspector, mixer_operators, web
 from .mixer_operators import NeedsSetUp, reporting
 
@@ -117,9 +117,22 @@ class RemoveSpectralRender(NeedsSetUp, Operator):
         setup.remove(context.scene)
 
 
+class MakeLocal(NeedsSetUp, Operator):
+    """Copy linked materials, lamps and worlds of this scene, and what shows them, into this file: they become spectral"""
+
+    bl_idname = "relume.make_local"
+    bl_label = "Make Local"
+
+    @reporting
+    def execute(self, context) -> None:
+        names = linked.make_local(context.scene)
+        self.report({"INFO"}, f"Made local: {', '.join(names)}" if names else "Nothing linked is left to make local")
+
+
 CLASSES = (
     SetUpSpectralRender,
     UseCycles,
+    MakeLocal,
     RemoveSpectralRender,
     *mixer_operators.CLASSES,
     *dial.CLASSES,
