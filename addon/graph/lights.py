@@ -162,7 +162,7 @@ def is_taken(light) -> bool:
 
 
 def _is_own(light) -> bool:
-    return light.library is None and light.override_library is None
+    return not inventory.is_foreign(light)
 
 
 def _obstacle(light) -> str:

@@ -158,6 +158,7 @@ def _group(node) -> list:
     found = [node.name, node.mute, tree and tree.as_pointer()]
     if tree is not None and tree.get(nodes.ROLE) in nodes.INSERTED:
         return found + [socket.default_value[:] for socket in node.inputs[:2]]  # Color, Tint
+    found.append(tree is not None and tree.library is None)
     for socket in node.inputs:
         kind = socket.type
         found += (socket.identifier, kind)

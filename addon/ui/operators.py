@@ -8,13 +8,19 @@ from bpy.utils import register_classes_factory
 
 from ...core.errors import RelumeError
 from ..host import interruption
-from ..scene import light_groups, render_settings, setup
+from ..scene import light_groups, linked, render_settings, setup
 from . import dial, files, inspector, mixer_operators, web
 from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES", "register", "unregister"]
 
 _SLICE = 0.1  # seconds of setting up between two looks at the keyboard
+_running = set()  # operators that are at work in a window
+
+
+def is_at_work() -> bool:
+    """Whether a scene is being set up, while the window goes on."""
+    return bool(_running)
 
 
 class SetUpSpectralRender(Operator):
@@ -31,6 +37,7 @@ class SetUpSpectralRender(Operator):
         if done == {"RUNNING_MODAL"}:
             self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
             context.window_manager.modal_handler_add(self)
+            _running.add(self.bl_idname)
             context.window.cursor_modal_set("WAIT")
         return done
 
@@ -52,6 +59,7 @@ class SetUpSpectralRender(Operator):
         finally:
             context.workspace.status_text_set(f"Relume: {self.doing} …  Esc stops it")
             if done != {"RUNNING_MODAL"}:
+                _running.clear()
                 context.window_manager.event_timer_remove(self.timer)
                 context.workspace.status_text_set(None)
                 context.window.cursor_modal_restore()
@@ -59,6 +67,7 @@ class SetUpSpectralRender(Operator):
 
     def cancel(self, context) -> None:
         """Blender ends an operator so when a file is opened or its window closes."""
+        _running.clear()
         self.steps.close()
 
     def _begin(self, context) -> None:
@@ -117,9 +126,22 @@ class RemoveSpectralRender(NeedsSetUp, Operator):
         setup.remove(context.scene)
 
 
+class MakeLocal(NeedsSetUp, Operator):
+    """Copy linked materials, lamps and worlds, with what shows them, into this file: they become spectral"""
+
+    bl_idname = "relume.make_local"
+    bl_label = "Make Local"
+
+    @reporting
+    def execute(self, context) -> None:
+        names = linked.make_local(context.scene)
+        self.report({"INFO"}, f"Made local: {', '.join(names)}" if names else "Nothing linked is left to make local")
+
+
 CLASSES = (
     SetUpSpectralRender,
     UseCycles,
+    MakeLocal,
     RemoveSpectralRender,
     *mixer_operators.CLASSES,
     *dial.CLASSES,
