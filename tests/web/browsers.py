@@ -128,6 +128,8 @@ class Firefox(_Browser):
             "network.connectivity-service.enabled": False,
             "services.settings.server": "data:,",
             "gfx.color_management.mode": 0,
+            # Else a page that is left in the middle of a handler says that its script was terminated
+            "dom.ipc.cancel_content_js_when_navigating": False,
         }
         lines = [
             f"user_pref({str(k)!r}, {str(v).lower() if not isinstance(v, str) else repr(v)});"

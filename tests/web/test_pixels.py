@@ -76,9 +76,10 @@ def test_the_page_shows_what_relight_makes(browser, request, relume, tmp_path, r
     found = compared(
         browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}", 0.5 if scene == "chart" else 0
     )
-    median, most = np.percentile(found, [50, 98])
-    print(browser.name, renderer, scene, f"median {median:.2f}, 98 % {most:.2f}")
-    assert median <= 0.5 and most <= 1.0
+    median, most = np.percentile(found.reshape(len(found), -1), [50, 98], axis=1)  # of each lamp by itself
+    worst = LAMPS[most.argmax()]
+    print(browser.name, renderer, scene, f"median {median.max():.2f}, 98 % {most.max():.2f} under {worst}")
+    assert median.max() <= 0.5 and most.max() <= 1.0, worst
     assert browser.errors() == []
 
 
@@ -140,7 +141,9 @@ def test_what_is_transparent_stays_so(browser, chart, tmp_path, renderer):
 
 def test_the_words_that_are_copied_make_the_picture(browser, relume, chart_exr, chart_page, tmp_path):
     browser.open(
-        chart_page, "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&mute=window+%3D+2&white=0.8"
+        chart_page,
+        "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&white=0.8"
+        "&light=window+%3D+2%3D[[%22Sodium+(low+pressure)%22,0.3],[%22A%22,0.7]]*0.5",
     )
     words = shlex.split(browser.run("return document.getElementById('words').value"))
     relume_command("relight", chart_exr, *words, "--out", tmp_path / "copied.png")
