@@ -100,6 +100,11 @@ class Chromium(_Browser):
             {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500},
         )
 
+    def scheme(self, name: str):
+        """Prefer "light" or "dark"."""
+        feature = {"name": "prefers-color-scheme", "value": name}
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+
     def screenshot(self, path: Path):
         self.driver.save_screenshot(str(path))
 

@@ -117,6 +117,22 @@ def test_the_view_transform_is_blenders(browser, relume, chart, tmp_path, render
     assert median <= 0.5 and most <= 1.0
 
 
+def test_a_gpu_that_was_taken_away_comes_back(browser, chart_page):
+    if not browser.has_webgl():
+        pytest.skip(f"{browser.name} has no WebGL2 here")
+    browser.open(chart_page, "?renderer=gpu#picture=chart")
+    before = browser.pixels()
+    browser.run(
+        "const gl = document.getElementById('picture').getContext('webgl2');"
+        "window.taken = gl.getExtension('WEBGL_lose_context'); taken.loseContext(); now.frame = null"
+    )
+    browser.wait("return document.getElementById('picture').getContext('webgl2').isContextLost()")
+    browser.run("setTimeout(() => taken.restoreContext(), 100)")
+    browser.wait("return now.frame")
+    assert np.array_equal(before, browser.pixels())
+    assert [words for words in browser.errors() if "CONTEXT_LOST" not in words] == []
+
+
 @pytest.mark.parametrize("renderer", ["cpu", "gpu"])
 def test_what_is_transparent_stays_so(browser, chart, tmp_path, renderer):
     if renderer == "gpu" and not browser.has_webgl():
