@@ -68,7 +68,7 @@ def _room_page(path: Path):
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_percentage = 150
-    _page(scene, path, "The test room")
+    _page(scene, path, "The test room", _SAMPLES // 6)
 
 
 def _spheres_page(path: Path):
@@ -87,10 +87,10 @@ def _palette_page(path: Path):
     _page(scene, path, "One grey in daylight")
 
 
-def _page(scene, path: Path, title: str):
+def _page(scene, path: Path, title: str, samples: int = _SAMPLES // 2):
     """A page of `relume web` of a scene, its passes denoised."""
     scene.view_settings.view_transform = "Standard"
-    scene.cycles.samples = _SAMPLES // 2
+    scene.cycles.samples = samples
     setup.set_up(scene, bases.fitted(9))
     with tempfile.TemporaryDirectory() as temporary:
         guides = denoising.guides_of(scene)
