@@ -13,7 +13,6 @@ __all__ = ["PAINTS", "build"]
 PAINTS = ("ColorChecker: red", "ColorChecker: blue", "ColorChecker: yellow", "ColorChecker: green", "CES 30")
 _GROUND = "ColorChecker: neutral 5 (.70 D)"
 _SPACING = 2.1
-_AWAY = 2.8  # of the camera, in parts of the row's width
 
 
 def build(paints: Sequence[Spectrum], varnished: int = 0):
@@ -34,7 +33,7 @@ def build(paints: Sequence[Spectrum], varnished: int = 0):
     _paint(library.reflectance(_GROUND), False)
     _light(scene)
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler = (0.0, -_AWAY * len(paints), 0.6 * len(paints)), (1.43, 0.0, 0.0)
+    camera.location, camera.rotation_euler = (0.0, -2.0 - 2.4 * len(paints), 0.6 * len(paints)), (1.43, 0.0, 0.0)
     scene.collection.objects.link(camera)
     scene.camera = camera
     return scene
