@@ -33,7 +33,7 @@ def build(paints: Sequence[Spectrum], varnished: int = 0):
     _paint(library.reflectance(_GROUND), False)
     _light(scene)
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler = (0.0, -2.0 - 2.4 * len(paints), 0.6 * len(paints)), (1.43, 0.0, 0.0)
+    camera.location, camera.rotation_euler = (0.0, -2.8 * len(paints), 0.6 * len(paints)), (1.43, 0.0, 0.0)
     scene.collection.objects.link(camera)
     scene.camera = camera
     return scene
