@@ -66,6 +66,7 @@ class _Tree:
         for node in [n for n in self.tree.nodes if nodes.role(n) in nodes.INSERTED and n not in right | glows]:
             self.touch()
             take_out(self.tree, self.shading.owner, node)
+            self.conversion.animated.pop(self.tree, None)  # the animation that acted on it went back
         for socket, insertions in missing:
             self.touch()
             self.insert(socket, insertions)

@@ -127,8 +127,11 @@ class Lamp:
     glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
-def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
-    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
+def take_colours(lights: Iterable, gentle: bool = False) -> tuple[dict, list[Remark]]:
+    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks.
+
+    gentle: a colour that was chosen in a lamp whose colours are animated may stay until the artist has keyed it.
+    """
     lamps, remarks = {}, []
     for light in lights:
         if not _is_own(light):
@@ -139,7 +142,7 @@ def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
         if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
             remarks.append(Remark(light.name, "", why))
         if not why:
-            lamps[light] = _take_colour(light)
+            lamps[light] = _take_colour(light, gentle)
         elif _BEFORE in light:
             restore(light)
     return lamps, remarks
@@ -151,7 +154,7 @@ def colours_of(lights: Iterable) -> dict:
 
 
 def _is_own(light) -> bool:
-    return light.library is None and light.override_library is None
+    return not inventory.is_foreign(light)
 
 
 def _obstacle(light) -> str:
@@ -171,7 +174,7 @@ def _uses_nodes(light) -> bool:
     return light.node_tree is not None if bpy.app.version >= (5, 1, 0) else light.use_nodes
 
 
-def _take_colour(light) -> Lamp:
+def _take_colour(light, gentle: bool) -> Lamp:
     lamp = _colour_of(light)
     uses_nodes = light[_BEFORE]["use_nodes"] if _BEFORE in light else _uses_nodes(light)
     kept = {
@@ -186,7 +189,8 @@ def _take_colour(light) -> Lamp:
         light.use_nodes = True
     if light.use_temperature:
         light.use_temperature = False
-    if tuple(light.color) != _WHITE and insertion.MOVED not in light:
+    is_being_keyed = gentle and insertion.MOVED in light and not animation.is_animated(light, "color")
+    if tuple(light.color) != _WHITE and not is_being_keyed:
         light.color = _WHITE
     return lamp
 

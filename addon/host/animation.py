@@ -153,16 +153,35 @@ def _users() -> Counter:
 
 
 def move(block, before: str, after: str) -> bool:
-    """Let what animates or drives the path `before` of a data-block act on `after`, in the place of what did; whether
-    anything does."""
+    """Let what animates or drives the path `before` of a data-block act on `after`; returns whether anything does.
+
+    What acts on `after` already gives way, but for keys: these are joined by the new ones, as if the artist had keyed
+    the value where its animation is.
+    """
     moved = [curve for curve in _curves(block) if curve.data_path == before]
     if moved and before != after and any(curve.data_path == after for curve in _curves(block)):
         for curves in _own_curves(block):
-            for curve in [curve for curve in curves if curve.data_path == after]:
-                curves.remove(curve)
+            _make_way(curves, before, after)
+        moved = [curve for curve in _curves(block) if curve.data_path == before]
+        if not moved:
+            return True
     for curve in moved:
         curve.data_path = after
     return bool(moved)
+
+
+def _make_way(curves, before: str, after: str) -> None:
+    """Join the keys of curves of the path `before` to those of `after`; drivers, and what has no new keys, go."""
+    is_new = {curve.array_index for curve in curves if curve.data_path == before}
+    for index in [curve.array_index for curve in curves if curve.data_path == after]:
+        old = curves.find(after, index=index)
+        new = curves.find(before, index=index) if index in is_new else None
+        if new is None or not (len(old.keyframe_points) and len(new.keyframe_points)):
+            curves.remove(old)
+            continue
+        for key in new.keyframe_points:
+            old.keyframe_points.insert(key.co.x, key.co.y, keyframe_type=key.type).interpolation = key.interpolation
+        curves.remove(new)
 
 
 def _own_curves(block) -> list:

@@ -2,7 +2,7 @@
 
 import bpy
 
-__all__ = ["Inventory", "take"]
+__all__ = ["Inventory", "is_foreign", "take"]
 
 
 class Inventory:
@@ -56,6 +56,11 @@ class Inventory:
                 elif block not in visited and isinstance(block, bpy.types.GeometryNodeTree):
                     visited.add(block)
                     waiting.append(block)
+
+
+def is_foreign(block) -> bool:
+    """Whether a data-block is linked or overrides linked data: Blender keeps its nodes from changes."""
+    return block.library is not None or block.override_library is not None
 
 
 def take(scene) -> Inventory:

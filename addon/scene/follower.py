@@ -243,7 +243,7 @@ def _plan_again(scene) -> None:
     kept["content"] = content.checksum(shows)
     error, worst = plan.predict(model, shows)
     if error > scene.relume.tolerance:
-        found = setup.planned(scene, shows)
+        found = setup.planned(shows, scene.relume.tolerance)
         setup.update(scene, found.model)
         why = f"{worst} would have come out with ΔE {error:.2g}"
         kept |= {"reason": found.reason, "changed": f"the scene has changed: {why}; {found.model.passes} passes now"}

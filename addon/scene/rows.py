@@ -10,6 +10,7 @@ from contextlib import contextmanager, suppress
 import bpy
 
 from ...core.errors import SetupError
+from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..graph import lights
 from ..host import animation
 from ..store import mixer, schema
@@ -46,8 +47,8 @@ def sync(scene, before: dict[str, list[str]]) -> list[str]:
 
     before: what shone in each group when the rows were written (`members_of`). A row whose group is gone follows its
     lamps, where these are all in one group that is new: in Blender's own lists a group is renamed so. So does a row of
-    which nobody knows the lamps, if it is the only one without and one group is new. Otherwise a row stays, without
-    light and behind the others, if the artist chose anything in it.
+    which nobody knows the lamps, if it is the only one without and one named group is new. Otherwise a row stays,
+    without light and behind the others, if the artist chose anything in it.
     """
     settings, now = scene.relume, lights.members_of(scene)
     rows, names = settings.light_groups, list(now)
@@ -95,8 +96,8 @@ def _follow_renames(settings, before: dict, now: dict) -> None:
     for group, names in followed.items():
         if group not in settings.light_groups and len(names) == 1:
             _rename(settings, names[0], group)
-    gone = [row.name for row in settings.light_groups if row.name not in now]
-    new = [group for group in now if group not in settings.light_groups]
+    gone = [row.name for row in settings.light_groups if row.name not in now and row.name != EVERYTHING_ELSE]
+    new = [group for group in now if group not in settings.light_groups and group != EVERYTHING_ELSE]
     if len(gone) == len(new) == 1 and gone[0] not in before:
         _rename(settings, gone[0], new[0])
 

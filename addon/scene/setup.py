@@ -1,7 +1,9 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import closing
 from dataclasses import replace
 
 import bpy
@@ -30,6 +32,7 @@ __all__ = [
     "release",
     "remove",
     "set_up",
+    "setting_up",
     "update",
 ]
 
@@ -42,12 +45,20 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
     Raises SetupError.
     """
+    with interruption.held_back() as let_through, closing(setting_up(scene, model)) as steps:
+        for _ in steps:
+            let_through()
+
+
+def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
+    """Do what `set_up` does piece by piece; yields what is being done. Closed on the way, it leaves all as it was."""
     faults.check(scene)
     schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
+        yield "looking at the scene"
         shows = content.content_of(scene)
-        found = planned(scene, shows)
+        found = yield from _meanwhile("choosing channels", planned, shows, scene.relume.tolerance)
         model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
     model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
@@ -58,7 +69,7 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     scenes = [scene, *others]
     before = {s: (s[properties.MODEL], plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
     at = scene
-    with interruption.held_back() as let_through, mixer.quiet():
+    with mixer.quiet():
         try:
             for each in scenes:
                 rows.mark(each.relume)
@@ -66,7 +77,8 @@ def set_up(scene, model: FactorModel | None = None) -> None:
                 _take_out(each)
             for each in scenes:
                 at = each
-                _put_in(each, model, before[each][2] if each in before else {}, let_through)
+                for _ in bring_in_line(each, model, before[each][2] if each in before else {}):
+                    yield f"setting up {each.name}"
                 each[properties.PLAN] = chosen
             for each in scenes:
                 rows.settle(each.relume)
@@ -84,9 +96,18 @@ def set_up(scene, model: FactorModel | None = None) -> None:
             raise SetupError(f"{what}: {error}") from error
 
 
-def planned(scene, shows: plan.Content) -> plan.Plan:
+def _meanwhile(words: str, work: Callable, *arguments) -> Generator[str]:
+    """Have a thread do what needs nothing of Blender; yields the words until it is done, and returns the result."""
+    with ThreadPoolExecutor(1) as pool:
+        task = pool.submit(work, *arguments)
+        while not wait([task], timeout=0.05).done:
+            yield words
+        return task.result()
+
+
+def planned(shows: plan.Content, tolerance: float) -> plan.Plan:
     """The plan for what a scene shows, with the channels in their order."""
-    found = plan.choose(shows, scene.relume.tolerance, _LEAST)
+    found = plan.choose(shows, tolerance, _LEAST)
     return replace(found, chosen=replace(found.chosen, model=channel_order.balanced(found.model)))
 
 
@@ -115,10 +136,10 @@ def _give_back(scenes: list, before: dict) -> str:
     return ", ".join(lost)
 
 
-def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
-    """Bring all that a scene carries in line. let_through: called where Ctrl-C may come."""
+def _put_in(scene, model: FactorModel, members: dict) -> None:
+    """Bring all that a scene carries in line at once."""
     for _ in bring_in_line(scene, model, members):
-        let_through()
+        pass
 
 
 def bring_in_line(
@@ -138,7 +159,7 @@ def bring_in_line(
     spectra.update_all(model)
     glass.update_all(model)
     yield
-    shown = shading.look(scene, model, groups)
+    shown = shading.look(scene, model, groups, gentle)
     yield
     for _ in shown.patch_all(gentle):
         yield

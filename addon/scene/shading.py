@@ -62,12 +62,15 @@ class Shown:
         remarks.write(scene, [*self.about_scene, *about_trees, *compositing.remarks_on(scene)])
 
 
-def look(scene, model: FactorModel, groups: list[str]) -> Shown:
-    """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes."""
+def look(scene, model: FactorModel, groups: list[str], gentle: bool = False) -> Shown:
+    """Look at all that a scene shows; takes the colours out of its lamps, so that they can stand in nodes.
+
+    gentle: an artist is at work, as in `lights.take_colours`.
+    """
     animation.count_again()
     found, numbers = inventory.take(scene), rows.numbers(scene)
     about_scene = faults.remarks_on(scene, found)
-    lamps, about_lamps = lights.take_colours(found.lights)
+    lamps, about_lamps = lights.take_colours(found.lights, gentle)
     shadings, about_trees = sockets.shadings_of(found)
     return Shown(
         shadings={shading.owner: shading for shading in shadings},

@@ -6,6 +6,7 @@ import pytest
 from test_render import composite
 
 from relume.addon.graph import nodes
+from relume.addon.host import animation
 from relume.addon.scene import compositing_nodes, follower, light_groups, render_settings, setup, view_layers
 from relume.addon.store import remarks
 from relume.core.model import bases
@@ -229,3 +230,59 @@ def test_what_follows_makes_no_data_blocks(ready):
     assert "new" in [row.name for row in ready.relume.lit]
     used = {tree for tree in bpy.data.node_groups if tree.users}
     assert used <= before and not nodes.is_undo_unsafe()
+
+
+def keyed(block, values: dict, path: str):
+    for frame, value in values.items():
+        setattr(*path_of(block, path), value)
+        block.keyframe_insert(path, frame=frame)
+
+
+def path_of(block, path: str) -> tuple:
+    owner, _, name = path.rpartition(".")
+    return (block.path_resolve(owner) if owner else block), name
+
+
+def keys(block) -> dict:
+    """{(path, index): {frame: value}} of what animates a data-block."""
+    curves = animation.keyed(block, "")
+    return {(c.data_path, c.array_index): {k.co.x: round(k.co.y, 4) for k in c.keyframe_points} for c in curves}
+
+
+def test_a_colour_keyed_in_blenders_own_field_joins_the_keys_of_the_lamp(startup, tmp_path):
+    light = bpy.data.lights["Light"]
+    keyed(light, {1: (1.0, 0.2, 0.1), 10: (0.1, 0.2, 1.0)}, "color")
+    setup.set_up(startup, bases.fitted(6))
+    keyed(light, {5: (0.3, 0.9, 0.3)}, "color")
+    startup.frame_set(5)
+    shown = pixels(startup, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(startup, tmp_path / "b.exr"))
+    setup.remove(startup)
+    assert keys(light) == {
+        ("color", 0): {1.0: 1.0, 5.0: 0.3, 10.0: 0.1},
+        ("color", 1): {1.0: 0.2, 5.0: 0.9, 10.0: 0.2},
+        ("color", 2): {1.0: 0.1, 5.0: 0.3, 10.0: 1.0},
+    }
+
+
+def test_animation_moves_with_the_node_that_comes_anew(startup):
+    tree = startup.world.node_tree
+    keyed(tree, {1: (1.0, 0.2, 0.1, 1.0)}, 'nodes["Background"].inputs[0].default_value')
+    setup.set_up(startup, bases.fitted(6))
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs[0])
+    follower.settle(startup)
+    (light,) = [node for node in tree.nodes if nodes.role(node) == "light"]
+    assert {path for path, _ in keys(tree)} == {light.inputs[0].path_from_id("default_value")}
+
+
+def test_a_row_without_lamps_does_not_become_everything_else(ready):
+    bpy.data.objects["Light"].lightgroup = "key"
+    ready.view_layers[0].lightgroups.add(name="key")
+    follower.settle(ready)
+    ready.relume.light_groups["key"].illuminant = "A"
+    setup.remove(ready)
+    bpy.data.objects["Light"].lightgroup = ""
+    setup.set_up(ready, bases.fitted(3))
+    rows = {row.name: (row.illuminant, row.is_lit) for row in ready.relume.light_groups}
+    assert rows == {"Everything else": ("D65", True), "key": ("A", False)}
