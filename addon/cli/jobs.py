@@ -18,7 +18,7 @@ import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
-from ...core.picture import coefficients, description, sequences
+from ...core.picture import coefficients, description, mixing, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
 from ...core.spectra import library
@@ -198,9 +198,11 @@ def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
         if group not in lights:
             raise UsageError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
         try:
-            lights[group] = Light(library.illuminant(name), arguments.number(gain, *GAINS) if star else 1.0)
+            gained = arguments.number(gain, *GAINS) if star else 1.0
         except UsageError as error:
             raise UsageError(f"--light {text}: the gain {error}") from error
+        parts = tuple((library.illuminant(part), weight) for part, weight in arguments.blend(name))
+        lights[group] = Light(mixing.blend(parts) if parts else library.illuminant(name), gained)
     return lights
 
 
