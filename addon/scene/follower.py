@@ -23,7 +23,7 @@ from ..store import mixer, properties
 from . import content, faults, passes, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick"]
+__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick", "watch"]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
@@ -57,6 +57,7 @@ class _Noticed:
 _shown: dict[int, Shown] = {}  # by the scene's session_uid: what was found when it was looked at last
 _memories: dict[int, Memory] = {}  # by the same
 _noticed = _Noticed()
+_seen: dict[int, tuple] = {}  # by a scene's session_uid: what `watch` saw last
 _held = 0
 
 
@@ -102,6 +103,22 @@ def notice(scene, depsgraph) -> bool:
         animation.count_again()
         _noticed.at, _noticed.work = time.monotonic(), None
     return _noticed.is_any()
+
+
+def watch() -> bool:
+    """Take note of what Blender tells nobody: view layers that came, samples that a script changed; whether any did."""
+    now = {scene.session_uid: _watched(scene) for scene in followed()}
+    changed = now != _seen and not mixer.is_quiet()
+    if changed:
+        _seen.clear()
+        _seen.update(now)
+        _noticed.settings, _noticed.at, _noticed.work = True, time.monotonic(), None
+    return changed
+
+
+def _watched(scene) -> tuple:
+    layers = [(layer.name, len(layer.lightgroups), len(layer.aovs)) for layer in view_layers.sources(scene)]
+    return (*layers, scene.cycles.samples)
 
 
 def matters_of(block) -> tuple | None:

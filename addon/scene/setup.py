@@ -1,5 +1,6 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
+import importlib
 import json
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -58,6 +59,8 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
     schema.check(scene)
     chosen = {"request": "" if model else scene.relume.request}
     if model is None and scene.relume.channels == properties.AUTO:
+        yield "loading libraries"
+        _load_libraries()
         yield "looking at the scene"
         shows = content.content_of(scene)
         found = yield from _meanwhile("choosing channels", planned, shows, scene.relume.tolerance)
@@ -96,6 +99,12 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
             else:
                 what = f"scene {at.name!r} is as it was, for setting it up failed"
             raise SetupError(f"{what}: {error}") from error
+
+
+def _load_libraries() -> None:
+    """Import what a thread is to work with: two threads that import SciPy, whose modules import each other, stop."""
+    for name in ("colour", "scipy.interpolate", "scipy.optimize"):
+        importlib.import_module(name)
 
 
 def _meanwhile(words: str, work: Callable, *arguments) -> Generator[str]:

@@ -3,7 +3,6 @@
 import bpy
 from bpy.types import Panel
 
-from ..host import early_imports
 from ..scene import light_groups, render_settings
 from ..store.properties import AUTO
 from . import left_out, mixer_panels, remarks_panel, report_panel
@@ -26,7 +25,6 @@ class _Relume:
 
 
 def _draw_introduction(layout, settings) -> None:
-    early_imports.begin()
     column = layout.column(align=True)
     column.label(text="Render the whole spectrum,")
     column.label(text="choose the light afterwards.")
