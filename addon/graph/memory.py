@@ -1,6 +1,6 @@
 """What is known of node trees, and holds for as long as they are as they were.
 
-To read a tree takes a tenth of what it takes to work out what should be before its sockets. What is kept are numbers,
+To read a tree takes an eighth of what it takes to work out what should be before its sockets. What is kept are numbers,
 words and data-blocks: nodes and sockets may go away at any time.
 """
 

@@ -129,13 +129,12 @@ def tick() -> float | None:
     """Timer: follow what was noticed once the artist pauses; returns the seconds until it is to run again."""
     if not _noticed.is_any():
         return None
-    if not mixer.is_quiet():
-        viewing.update()  # so that Blender says what was edited until now
+    if bpy.app.is_job_running("RENDER") or mixer.is_quiet():
+        return _PAUSE
+    viewing.update()  # so that Blender says what was edited until now
     waited = time.monotonic() - _noticed.at
     if waited < _PAUSE:
         return _PAUSE - waited
-    if bpy.app.is_job_running("RENDER") or mixer.is_quiet():
-        return _PAUSE
     return _SLICE if _work_on(time.monotonic() + _SLICE) else None
 
 

@@ -192,6 +192,7 @@ def steps():
 def test_edits_undo_and_redo(window):
     assert len(window(EDITS, "--enable-event-simulate")) == 4
 
+
 ELSEWHERE = (
     PREPARE
     + """
