@@ -28,8 +28,8 @@ __all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "sett
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
 _SHADING = (bpy.types.ShaderNodeTree, bpy.types.Material, bpy.types.World, bpy.types.Light)
-# What says nothing of shading, light groups or settings that its objects do not say
-_NO_MATTER = (bpy.types.Mesh, bpy.types.Curve, bpy.types.Camera, bpy.types.Image, bpy.types.Text)
+# What brings objects and materials into a scene, beside objects themselves; meshes and the like say nothing of them
+_BRINGING = (bpy.types.Collection, bpy.types.GeometryNodeTree, bpy.types.ParticleSettings)
 
 
 @dataclass
@@ -94,10 +94,14 @@ def notice(scene, depsgraph) -> bool:
         elif isinstance(block, bpy.types.Scene | bpy.types.CompositorNodeTree):
             _noticed.settings = True
             continue
-        elif isinstance(block, _NO_MATTER) or known.get(block.session_uid) == matters_of(block):
-            continue
-        else:
+        elif isinstance(block, bpy.types.Object):
+            if known.get(block.session_uid) == matters(block):
+                continue
             _noticed.everything = True
+        elif isinstance(block, _BRINGING):
+            _noticed.everything = True
+        else:
+            continue
         _noticed.content = True
     if _noticed.is_any():
         animation.count_again()
@@ -119,10 +123,6 @@ def watch() -> bool:
 def _watched(scene) -> tuple:
     layers = [(layer.name, len(layer.lightgroups), len(layer.aovs)) for layer in view_layers.sources(scene)]
     return (*layers, scene.cycles.samples)
-
-
-def matters_of(block) -> tuple | None:
-    return matters(block) if isinstance(block, bpy.types.Object) else None
 
 
 def tick() -> float | None:
