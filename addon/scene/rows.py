@@ -95,7 +95,7 @@ def _follow_renames(settings, before: dict, now: dict) -> None:
     for group, names in followed.items():
         if group not in settings.light_groups and len(names) == 1:
             _rename(settings, names[0], group)
-    gone = [row.name for row in settings.light_groups if row.name not in now and row.name != EVERYTHING_ELSE]
+    gone = [row.name for row in settings.light_groups if row.name not in {*now, EVERYTHING_ELSE} and row.is_lit]
     new = [group for group in now if group not in settings.light_groups and group != EVERYTHING_ELSE]
     if len(gone) == len(new) == 1 and gone[0] not in before:
         _rename(settings, gone[0], new[0])
