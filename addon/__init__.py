@@ -15,6 +15,7 @@ def _modules():
         icons,
         light_panel,
         material_panel,
+        menus,
         operators,
         palette_assign,
         palette_demands,
@@ -23,6 +24,7 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        spectrum_files,
     )
 
     palettes = (
@@ -34,7 +36,19 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, operators, panels, *palettes, material_panel, light_panel, handlers, commands
+    return (
+        properties,
+        icons,
+        operators,
+        panels,
+        *palettes,
+        material_panel,
+        light_panel,
+        spectrum_files,
+        menus,
+        handlers,
+        commands,
+    )
 
 
 def register() -> None:

@@ -14,7 +14,7 @@ from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
 from .mixer_operators import reporting
 
-__all__ = ["CLASSES", "register", "unregister"]
+__all__ = ["CLASSES", "assign_from_file", "assign_from_library", "first_place", "register", "unregister"]
 
 _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GLASS: "Without dispersion"}
 
@@ -107,23 +107,38 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
 
     @reporting
     def execute(self, context) -> None:
-        material, node = self.target(context)
-        found = files.read(self.filepath, self.takes if self.takes == places.REFLECTANCE else "refractive index")
-        if self.takes == places.METAL:
-            n, k = _metal_in(found, Path(self.filepath))
-            _assign_metal(material, node, n, k)
-        elif self.takes == places.GLASS:
-            glass.replace(node, found[0])
-        else:
-            socket = places.socket_of(node, self.socket)
-            _assign_reflectance(material, socket, found[0])
-            from ...core.palette import beyond
+        said, warning = assign_from_file(*self.target(context), self.socket, self.takes, self.filepath)
+        if warning:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, said)
 
-            if warning := beyond(found[0], spectra.shines(socket)):
-                self.report({"WARNING"}, warning)
-        used = 2 if self.takes == places.METAL else 1
-        rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
-        self.report({"INFO"}, f"From {found[0].source}{rest}")
+
+def assign_from_file(material, node, identifier: str, takes: str, path: str) -> tuple[str, str]:
+    """Put the spectrum of a file in a place of a material -> (what was read, a warning or ""). Raises SpectrumError."""
+    found, warning = files.read(path, takes if takes == places.REFLECTANCE else "refractive index"), ""
+    if takes == places.METAL:
+        n, k = _metal_in(found, Path(path))
+        _assign_metal(material, node, n, k)
+    elif takes == places.GLASS:
+        glass.replace(node, found[0])
+    else:
+        from ...core.palette import beyond
+
+        socket = places.socket_of(node, identifier)
+        _assign_reflectance(material, socket, found[0])
+        warning = beyond(found[0], spectra.shines(socket))
+    used = 2 if takes == places.METAL else 1
+    rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
+    return f"From {found[0].source}{rest}", warning
+
+
+def first_place(material):
+    """(node, socket identifier, what it takes) of the place that is meant by a material's spectrum, None for none.
+
+    That is its first colour; of a material without one, its first metal or glass.
+    """
+    found = sorted(places.of(material), key=lambda place: place[2] != places.REFLECTANCE)
+    return (material.node_tree.nodes[found[0][0]], *found[0][1:]) if found else None
 
 
 def _metal_in(columns: list, path: Path) -> tuple[Spectrum, Spectrum]:
