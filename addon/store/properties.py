@@ -21,6 +21,7 @@ __all__ = ["AUTO", "CHANNELS", "CLASSES", "LightGroup", "model_for", "register",
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
 STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
+FIRST = "relume_first"  # on a scene that shows an EXR: the mix that it was rendered with, as a snapshot keeps it
 REFERENCE_BANDS = 36
 
 AUTO = "auto"

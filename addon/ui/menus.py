@@ -14,7 +14,9 @@ __all__ = ["CLASSES", "register", "unregister"]
 # "" separates; each is drawn as its operator is called
 _COMMANDS = (
     *("relume.set_up", "relume.use_cycles", "relume.make_local", "relume.remove", ""),
-    *("relume.remove_empty_groups", "relume.write_to_lights", "relume.paste_mix", ""),
+    *("relume.remove_empty_groups", "relume.select_lights", "relume.write_to_lights", ""),
+    *("relume.copy_mix", "relume.paste_mix", "relume.save_mix", "relume.load_mix", "relume.reset_mix"),
+    *("relume.copy_illuminant", "relume.paste_illuminant", ""),
     *("relume.take_snapshot", "relume.apply_snapshot", "relume.compare", ""),
     *("relume.pick_white", "relume.inspect", ""),
     *("relume.relight_exr", "relume.write_sidecar", "relume.share_as_web_page", "relume.report", ""),
@@ -122,11 +124,13 @@ def _render_menu(self, context) -> None:
 
 def _import_menu(self, context) -> None:
     self.layout.operator("relume.import_spectrum", text="Spectrum (.csv, .spd, .spdx, .cgats)")
+    self.layout.operator("relume.load_mix", text="Relume Mix (.json)")
     self.layout.operator("relume.relight_exr", text="Spectral Coefficients, to Relight (.exr)")
 
 
 def _export_menu(self, context) -> None:
     self.layout.operator("relume.export_spectrum", text="Spectrum (.csv)")
+    self.layout.operator("relume.save_mix", text="Relume Mix (.json)")
     self.layout.operator("relume.write_sidecar", text="Relume Sidecar (.json)")
 
 

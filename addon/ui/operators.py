@@ -9,7 +9,7 @@ from bpy.utils import register_classes_factory
 from ...core.errors import RelumeError
 from ..host import interruption
 from ..scene import light_groups, linked, render_settings, setup
-from . import dial, files, inspector, mixer_operators, web
+from . import dial, files, inspector, mix_files, mixer_operators, web
 from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -144,6 +144,7 @@ CLASSES = (
     MakeLocal,
     RemoveSpectralRender,
     *mixer_operators.CLASSES,
+    *mix_files.CLASSES,
     *dial.CLASSES,
     *inspector.CLASSES,
     *files.CLASSES,

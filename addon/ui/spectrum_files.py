@@ -86,7 +86,7 @@ class _Of:
 
 
 class ImportSpectrum(_Of, Operator):
-    """Give a measured spectrum to a material, to the lamps of a light group or to the observer: CSV, SPD, TM-27, CGATS"""
+    """Give a measured spectrum to a material, to a light group or to the observer, from CSV, SPD, TM-27 or CGATS"""
 
     bl_idname = "relume.import_spectrum"
     bl_label = "Import Spectrum"
