@@ -12,6 +12,7 @@ from bpy_extras.io_utils import ImportHelper
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
+from . import icons
 from .mixer_operators import reporting
 
 __all__ = ["CLASSES", "assign_from_file", "assign_from_library", "first_place", "register", "unregister"]
@@ -20,13 +21,13 @@ _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GL
 
 
 @cache  # Blender keeps no reference to the strings
-def _library(takes: str) -> list[tuple[str, str, str]]:
+def _library(takes: str) -> list[tuple]:
     if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
     if takes == places.GLASS:
         return [(name, name, "") for name in library.glasses()]
     found = [spectrum for label in library.REFLECTANCE_SETS for spectrum in library.reflectances(label)]
-    return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
+    return [(s.name, s.name, s.source, icons.paint(s), number) for number, s in enumerate(found)]
 
 
 def assign_from_library(material, node, identifier: str, takes: str, name: str) -> None:

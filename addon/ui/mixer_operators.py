@@ -9,6 +9,7 @@ from bpy.types import Operator
 from ...core.errors import RelumeError, SetupError
 from ...core.picture import drawing
 from ...core.spectra import library
+from ...core.spectra.names import named
 from ..scene import comparison, compositing, light_groups, setup
 from ..store import mixer, schema
 from . import icons
@@ -54,7 +55,7 @@ def _illuminants(self=None, context=None):
             for name in names:
                 spectrum = library.illuminant(name)
                 icon = icons.swatch_and_curve(drawing.curve(spectrum).tolist(), drawing.swatch(spectrum).tolist())
-                _ITEMS.append((name, f"{name}  ({family})", family, icon, len(_ITEMS)))
+                _ITEMS.append((name, f"{named(name)}  ({family})", family, icon, len(_ITEMS)))
     return _ITEMS
 
 

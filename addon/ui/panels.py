@@ -91,7 +91,15 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
+CLASSES = (
+    *mixer_panels.CLASSES,
+    SidebarPanel,
+    ImagePanel,
+    RenderPanel,
+    *left_out.CLASSES,
+    *report_panel.CLASSES,
+    *remarks_panel.CLASSES,
+)
 
 
 def register() -> None:

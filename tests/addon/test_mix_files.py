@@ -160,3 +160,14 @@ def test_relight_takes_a_saved_mix(relume, tmp_path, monkeypatch, capsys):
     for name, words in (("bad.json", "not a mix"), ("none.json", "cannot be read")):
         assert commands.execute(["relight", "shot.exr", "--mix", name, "--out", "bad.exr"]) == 2
         assert words in capsys.readouterr().err
+
+
+def test_every_named_illuminant_says_its_code(relume):
+    from relume.core.spectra import library, names
+
+    known = [name for family in library.illuminants().values() for name in family]
+    assert set(names._NAMES) | set(names._WORDS) <= set(known), "every name is one of the library's"
+    shown = [names.named(name) for name in known]
+    assert len(set(shown)) == len(known), "no two have one name"
+    for family in ("Daylight", "Fluorescent", "LED", "Discharge"):
+        assert all(names.named(name) != name for name in library.illuminants()[family]), family
