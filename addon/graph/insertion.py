@@ -184,6 +184,8 @@ def restore(tree, owner) -> None:
         return
     with nodes.unplugged(tree):
         for node in inserted:
+            if "Tint" in node.inputs and isinstance(owner, bpy.types.Light):
+                animation.carry(tree, node.inputs["Tint"].path_from_id("default_value"), owner, "color")
             take_out(tree, owner, node)
 
 
