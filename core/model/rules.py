@@ -105,6 +105,8 @@ class Reconstructed(Rule):
         return relight.reconstructed_matrix(model.basis, weights)
 
     def label(self, model: "FactorModel") -> str:
+        if model.channels == model.wavelengths.size:
+            return f"exact, {model.channels} channels"
         return f"the reference, {model.channels} bands" if model.is_reference else super().label(model)
 
     def reordered(self, order: list[int]) -> Rule:
