@@ -35,8 +35,8 @@ def dot(level: str, size: int = 32) -> Array:
     colour, radius = _DOTS[level]
     fine = size * _OVERSAMPLING
     places = (np.arange(fine) + 0.5) / fine - 0.5
-    picture = np.ones((fine, fine, 4)) * (*colour, 0.0)
-    picture[np.hypot(places, places[:, None]) < radius, 3] = 1.0
+    inside = np.hypot(places, places[:, None]) < radius
+    picture = inside[..., None] * np.array([*colour, 1.0])  # alpha is multiplied in, as Blender's icons have it
     return _reduced(picture).astype(np.float32)
 
 

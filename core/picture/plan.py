@@ -25,6 +25,11 @@ __all__ = ["Candidate", "Content", "LeftOut", "Plan", "choose", "fitted_to", "le
 
 CHANNELS = (3, 6, 9, 12, 15, 18, 21, 24)
 SPECTRUM = 9  # channels that a spectrum behind a prism needs
+SCENE = 12  # channels of a model whose filters are made for a scene, where general ones of as many do not do
+WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
+SURE = 0.9  # times the tolerance
+MOST_SURFACES, MOST_LIGHTS = 60, 8
+FEW_BOUNCES = (1.0, 0.3, 0.1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +48,8 @@ class Candidate:
     @property
     def words(self) -> str:
         """What an artist calls it."""
-        return self.model.label
+        own = self.model.name == "scene" and not np.array_equal(self.model.filters, _general_filters(self.model))
+        return f"{self.model.label} made for this scene" if own else self.model.label
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +117,11 @@ def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
         if best.error <= tolerance:
             return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
+        if best.model.channels == SCENE and best.error <= WORTH * tolerance and least <= SCENE:
+            own = _made_for(content)
+            # The last digits of its filters are those of the machine: what is nearly too coarse is so everywhere
+            if own is not None and own.error <= SURE * tolerance:
+                return Plan(own, tuple(rejected), tolerance, content.disperses)
     best = min(rejected, key=lambda candidate: candidate.error)
     cheaper = tuple(candidate for candidate in rejected if candidate.model.passes < best.passes)
     return Plan(best, cheaper, tolerance, content.disperses)
@@ -125,6 +136,24 @@ def predict(model: FactorModel, content: Content) -> tuple[float, str]:
         errors[light.name] = _difference(model, pixels, found, [light], np.ones((PIXELS, 1)))
     worst = max(errors, key=lambda name: errors[name])
     return errors[worst], worst
+
+
+@lru_cache(maxsize=4)
+def _made_for(content: Content) -> Candidate | None:
+    """A model of SCENE channels with filters of the scene's own; None where it is of too many kinds for one."""
+    lights = [*content.lights, *content.choices]
+    if not content.reflectances or len(content.parts) > MOST_SURFACES or len(lights) > MOST_LIGHTS or content.textures:
+        return None
+    # What light meets one after the other counts as much as it is seen
+    bounces = FEW_BOUNCES if content.bounces < 2 else (1.0, 1.0, 1.0)
+    spectra = (rgb_spectra(content.space) @ content.rgb.T).T
+    colours = [Spectrum(WAVELENGTHS, values) for values in np.clip(spectra, 0, 1)]
+    made = bases.scene(SCENE, [*content.reflectances, *colours], lights, exact=False, bounces=bounces)
+    return Candidate(made, *predict(made, content))
+
+
+def _general_filters(model: FactorModel) -> Array:
+    return bases.fitted(model.channels).filters
 
 
 @lru_cache(maxsize=2)

@@ -8,6 +8,7 @@ from relume.core.model import bases, relight, rules
 from relume.core.picture import plan
 from relume.core.spectra import library
 from relume.core.spectra.spectrum import WAVELENGTHS
+from relume.studies import judges
 
 ROOM = ("red", "blue", "neutral 8 (.23 D)", "blue flower", "green")
 
@@ -47,6 +48,16 @@ def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
     assert found.chosen.error <= tolerance
     assert all(candidate.error > tolerance for candidate in found.rejected)
     assert all(candidate.model.passes < found.passes for candidate in found.rejected)
+
+
+def test_gels_get_filters_of_their_own_where_general_ones_need_more_passes():
+    films = [*judges.films()[:15], *judges.films()[86:100]]
+    gels = plan.Content(films, lights=[light("A"), light("FL11")], bounces=0)
+    found = plan.choose(gels, 0.5)
+    assert found.model.channels == 12
+    assert "made for this scene" in found.reason
+    assert found.chosen.error <= 0.5 < min(each.error for each in found.rejected if each.model.channels == 12)
+    assert plan.choose(gels, 0.5).model is found.model  # and it is kept
 
 
 def test_a_finer_tolerance_never_needs_fewer_passes():
