@@ -5,6 +5,7 @@ Panels only draw; what they lack is worked out once the artist pauses. Nothing o
 
 import json
 import time
+from contextlib import suppress
 
 import bpy
 from bpy.app.handlers import persistent
@@ -28,6 +29,9 @@ _MOST = 500  # expectations that are kept
 _shown: dict[int, tuple[int, Content | None]] = {}  # by the scene's session_uid: the edit it is of, what it shows
 _found: dict[tuple, expectation.Expectation | str] = {}  # by `_key`: what is expected, or why nothing is
 _last: dict[tuple, expectation.Expectation | str] = {}  # by scene and row: what was shown last, until there is better
+_advice: dict[tuple, str] = {}  # by `_of_mix`: what would help
+_advising: dict[str, tuple | None] = {"key": None}
+_waiting: set[str] = set()  # names of scenes that are about to be looked at
 _edits = {"number": 0, "at": 0.0}
 
 
@@ -96,15 +100,16 @@ def _soon(name: str) -> None:
         _waiting.discard(name)
         if scene is not None and scene.relume.is_set_up:
             work_out(scene)
-        for window in bpy.context.window_manager.windows:
-            for area in window.screen.areas:
-                area.tag_redraw()
+        _redraw()
         return None
 
     bpy.app.timers.register(work, first_interval=_WAIT)
 
 
-_waiting: set[str] = set()
+def _redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            area.tag_redraw()
 
 
 def _known(settings, key: tuple, name: str) -> expectation.Expectation | str | None:
@@ -134,7 +139,31 @@ def draw_mix(layout, settings) -> None:
     figures = isinstance(found, expectation.Expectation)
     text = f"ΔE {found.median:.2f} expected, 98 %: {found.p98:.2f}" if figures else "Expected error …"
     dot = line.operator("relume.expected", text=text, emboss=False, **shown)
-    dot.words, dot.advises = _words(found), True
+    dot.words = _words(found)
+    if figures and found.level == expectation.LEVELS[-1]:
+        better = _better(settings)
+        if better:
+            layout.label(text=better, icon="LIGHT")
+
+
+def _better(settings) -> str:
+    """What would help the mix; worked out once the artist leaves it for a moment, as that takes longer."""
+    key, name = _of_mix(settings), settings.id_data.name
+    if key not in _advice and _advising["key"] != key:
+        _advising["key"] = key
+
+        def advise() -> None:
+            scene = bpy.data.scenes.get(name)
+            if scene is None or not scene.relume.is_set_up or _of_mix(scene.relume) != key:
+                _advising["key"] = None
+                return
+            _advice.clear()
+            with suppress(RelumeError):
+                _advice[key] = expectation.advice(scene.relume.model(), _content(scene), setup.lighting(scene))
+            _redraw()
+
+        bpy.app.timers.register(advise, first_interval=2 * _PAUSE)
+    return _advice.get(key, "")
 
 
 def _words(found: expectation.Expectation | str | None) -> str:
@@ -154,7 +183,6 @@ class Expected(Operator):
     bl_options = {"INTERNAL"}
 
     words: StringProperty(options={"SKIP_SAVE"})
-    advises: bpy.props.BoolProperty(options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context, properties) -> str:
@@ -187,8 +215,9 @@ def _edited(scene, depsgraph) -> None:
 
 @persistent
 def _forget(*_) -> None:
-    for known in (_shown, _found, _last, _waiting):
+    for known in (_shown, _found, _last, _advice, _waiting):
         known.clear()
+    _advising["key"] = None
 
 
 CLASSES = (Expected,)

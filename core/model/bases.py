@@ -83,8 +83,8 @@ def bands(channels: int = 36) -> FactorModel:
 def fitted(channels: int = 9) -> FactorModel:
     """Non-negative filters optimised for products of one to three bounces; the default model.
 
-    Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
-    weighted by the colour matching functions.
+    Optimised filters ship for 3, 5, 6, 7, 9, 12, 15, 18, 21 and 24 channels, those from 18 on for gels, LEDs and
+    saturated paints as well; other numbers get adjoining bands weighted by the colour matching functions.
 
     >>> model = fitted(9)
     >>> model.passes, model.filters.shape

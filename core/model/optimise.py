@@ -34,8 +34,9 @@ BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose product
 # From 18 channels on ordinary surfaces and lights leave nothing to gain: gels, saturated paints and LEDs count as well
 FOR_EXTREMES = 18
 EXTREMES = 0.3  # how much they count, of surfaces and of lights, where all others count 1
-STARTS = 24
-STARTS_OF_MANY = 8  # and a third of the iterations: all of them lead to much the same
+# Starts, how many of them are finished, iterations of each and of a finish; the more channels, the less they differ
+EFFORT = (24, 5, 250, 2500)
+EFFORTS = {18: (8, 2, 250, 2500), 21: (8, 2, 83, 833), 24: (8, 2, 83, 833)}
 SCENE_WORK = 40_000_000  # iterations times products times lights times channels: one to two seconds
 SCENE_ITERATIONS = 4000
 EXACT_ITERATIONS = 2000
@@ -202,15 +203,14 @@ def general_task(channels: int) -> Task:
 
 def make_filters(channels: int, task: Task) -> tuple[Array, float]:
     """The best filters (81, p) found for `task` from several starts, by their mean wavelength, and their error."""
-    many = channels >= FOR_EXTREMES
-    starts, kept, parts = (STARTS_OF_MANY, 2, 3) if many else (STARTS, 5, 1)
+    starts, kept, first, last = EFFORTS.get(channels, EFFORT)
     random = np.random.default_rng(channels)
     tries = []
     for number in range(starts):
         start = filter_files.start_filters(channels, random if number else None)
-        tries.append(optimised(start, task, 250 // parts))
+        tries.append(optimised(start, task, first))
     tries.sort(key=lambda attempt: attempt[1])
-    finished = [optimised(filters, task, 2500 // parts) for filters, _ in tries[:kept]]
+    finished = [optimised(filters, task, last) for filters, _ in tries[:kept]]
     filters, error = min(finished, key=lambda attempt: attempt[1])
     return filters[:, np.argsort(WAVELENGTHS @ filters)], error
 

@@ -320,7 +320,8 @@ def test_a_glass_with_dispersion_takes_the_channels_that_a_spectrum_needs(startu
     assert startup.relume.model().channels == plan.SPECTRUM
     assert "glass" in startup.relume.plan["reason"]
     startup.relume.tolerance, startup.relume.switching = 0.02, "ANY"
-    cube.node_tree.nodes[node.name].inputs["Color"].default_value = (0.9, 0.2, 0.1, 1.0)
+    texture = cube.node_tree.nodes.new("ShaderNodeTexVoronoi")
+    cube.node_tree.links.new(texture.outputs["Color"], cube.node_tree.nodes[node.name].inputs["Color"])
     setup.set_up(startup)
     assert startup.relume.model().channels > plan.SPECTRUM  # what the colours need is more
 

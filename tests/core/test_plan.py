@@ -51,8 +51,7 @@ def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
 
 
 def test_gels_get_filters_of_their_own_where_general_ones_need_more_passes():
-    films = [*judges.films()[:15], *judges.films()[86:100]]
-    gels = plan.Content(films, lights=[light("A"), light("FL11")], bounces=0)
+    gels = plan.Content(judges.films()[72:101], lights=[light("A"), light("FL11")], bounces=0)
     found = plan.choose(gels, 0.5)
     assert found.model.channels == 12
     assert "made for this scene" in found.reason
