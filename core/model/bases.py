@@ -204,7 +204,7 @@ def scene(
     illuminants: Sequence[Spectrum],
     exact: bool | None = None,
     lobes: bool = False,
-    bounces: Sequence[float] = (1.0, 1.0, 1.0),
+    rule: type[Fitted] = Fitted,
 ) -> FactorModel:
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
@@ -212,8 +212,8 @@ def scene(
     there are at least 6 channels for each. Exactness costs accuracy of further bounces, and most of all where filters
     are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
     further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
-    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. bounces: how much products
-    of 1, 2 and 3 reflectances count. Raises ModelError.
+    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. rule: `Direct` where light
+    is reflected once or twice. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:
@@ -229,7 +229,7 @@ def scene(
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
     with optimise.one_thread():
-        task = optimise.Task.of(*training.with_general(own, bounces, part=8), power)
+        task = optimise.Task.of(*training.with_general(own, rule.bounces, part=8), power)
         weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
         found: Array | None = filters
@@ -245,7 +245,7 @@ def scene(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
             "try exact=False"
         )
-    return FactorModel("scene", WAVELENGTHS, found, Fitted(own))
+    return FactorModel("scene", WAVELENGTHS, found, rule(own))
 
 
 @cache

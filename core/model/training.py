@@ -60,7 +60,7 @@ def products(spectra: Array, bounces: Sequence[float] = BOUNCES, most: int = 100
 
 
 def with_general(
-    own: Array, bounces: Sequence[float] = (1.0, 1.0, 1.0), share: float = 0.99, most: int = 500, part: int = 1
+    own: Array, bounces: Sequence[float] = (1.0, 2.0, 3.0), share: float = 0.99, most: int = 500, part: int = 1
 ) -> tuple[Array, Training]:
     """Products of a scene's `own` reflectances (m, 81), which have `share` of the weight, and of the general ones.
 

@@ -97,7 +97,7 @@ def advice(model: FactorModel, content: Content | None, mix: Mix) -> str:
         error = expected(bases.fitted(channels), content, mix).p98
         if best is None or error < best[1]:
             best = channels, error
-        if error < aim:
+        if error < min(aim, 0.7 * now.p98):
             break
     if best is None or best[1] > 0.8 * now.p98:
         exact = expected(bases.bands(81), content, mix).p98

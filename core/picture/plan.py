@@ -14,7 +14,7 @@ from ..colour.spaces import srgb_decoded
 from ..errors import UsageError
 from ..model import bases
 from ..model.factor_model import FactorModel
-from ..model.rules import Fitted
+from ..model.rules import Direct, Fitted
 from ..model.upsample import rgb_spectra
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
@@ -29,7 +29,7 @@ SCENE = 12  # channels of a model whose filters are made for a scene, where gene
 WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
 SURE = 0.9  # times the tolerance
 MOST_SURFACES, MOST_LIGHTS = 60, 8
-FEW_BOUNCES = (1.0, 0.3, 0.1)
+FEW_BOUNCES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,11 +144,9 @@ def _made_for(content: Content) -> Candidate | None:
     lights = [*content.lights, *content.choices]
     if not content.reflectances or len(content.parts) > MOST_SURFACES or len(lights) > MOST_LIGHTS or content.textures:
         return None
-    # What light meets one after the other counts as much as it is seen
-    bounces = FEW_BOUNCES if content.bounces < 2 else (1.0, 1.0, 1.0)
     spectra = (rgb_spectra(content.space) @ content.rgb.T).T
     colours = [Spectrum(WAVELENGTHS, values) for values in np.clip(spectra, 0, 1)]
-    made = bases.scene(SCENE, [*content.reflectances, *colours], lights, exact=False, bounces=bounces)
+    made = bases.scene(SCENE, [*content.reflectances, *colours], lights, exact=False, rule=_rule(content))
     return Candidate(made, *predict(made, content))
 
 
@@ -209,7 +207,11 @@ def fitted_to(content: Content, channels: int) -> FactorModel:
         colours = np.concatenate([colours, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
     upsampled = colours @ rgb_spectra(content.space).T
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
-    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, Fitted(np.array(known)))
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, _rule(content)(np.array(known)))
+
+
+def _rule(content: Content) -> type[Fitted]:
+    return Direct if content.bounces < FEW_BOUNCES else Fitted
 
 
 def _difference(model: FactorModel, pixels: Pixels, found: Array, lights: Sequence[Spectrum], mixture: Array) -> float:

