@@ -23,8 +23,8 @@ from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
 from ...core.spectra import library
 from ..host import console, denoising
-from ..scene import describe, render, setup
-from . import arguments
+from ..scene import content, describe, render, setup
+from . import arguments, expected
 
 __all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
 
@@ -133,7 +133,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         rendered = render.render(scene, exr.parent, progress, denoising.guides_of(scene) if denoises else None)
     finally:
         progress.done()
-    image = rendered.image
+    image = replace(rendered.image, shows=content.content_of(scene))
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
     mixes = dict.fromkeys(names, lights)
     if plain:
@@ -151,6 +151,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
         "light_groups": {group: light.illuminant.name for group, light in lights.items()},
         "illuminants": list(mixes),
+        "expected": {label: expected.of(image, image.mix(mix)) for label, mix in mixes.items()},
         "files": [path.name for path in written],
     }
     with ExitStack() as until_there, results.together():
@@ -161,6 +162,8 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         results.write_text(summary, _summary(scene, summary, record))
     for path in written:
         console.wrote(path)
+    for label, found in record["expected"].items():
+        expected.tell(found, image, label)
 
 
 def _summary(scene, path: Path, record: dict) -> str:
@@ -231,6 +234,9 @@ def relight_file(options: argparse.Namespace) -> None:
                 console.event("relit", number=done, of=len(sources)) or print(
                     f"relit {done} of {len(sources)}", file=sys.stderr, flush=True
                 )
+    if waiting:
+        image, mix = found[0], found[0].mix(lights_of(found[0], options.light), options.white)
+        expected.tell(expected.of(image, mix), image)
 
 
 def _check_apart(sources: dict[Path, Path]) -> None:

@@ -22,8 +22,10 @@ MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
 STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
 REFERENCE_BANDS = 36
+EXACT_BANDS = 81
 
 AUTO = "auto"
+EXACT = "exact"
 
 CHANNELS = [
     (AUTO, "Automatic", "As few passes as this scene needs to stay within the tolerance"),
@@ -32,7 +34,10 @@ CHANNELS = [
     ("9", "9 channels, 3 passes", "Nobody can see the difference to the full spectrum"),
     ("12", "12 channels, 4 passes", "For lamps with strong lines"),
     ("15", "15 channels, 5 passes", "For measurements"),
-    ("reference", "Reference, 12 passes", "Every band of 11 nm on its own: slow, to compare with"),
+    ("18", "18 channels, 6 passes", "For gels and coloured LEDs"),
+    ("24", "24 channels, 8 passes", "For gels, coloured LEDs and saturated paints"),
+    ("reference", "Reference, 12 passes", "36 samples of the spectrum: slow, to compare with"),
+    (EXACT, "Exact, 27 passes", "All 81 samples of the spectrum, 5 nm apart: very slow, for whoever has to be sure"),
 ]
 
 
@@ -64,7 +69,8 @@ OBSERVERS = [
 
 def model_for(channels: str) -> FactorModel:
     """The factor model that an entry of `CHANNELS` stands for."""
-    return bases.named("bands", REFERENCE_BANDS) if channels == "reference" else bases.named("fitted", int(channels))
+    bands = {"reference": REFERENCE_BANDS, EXACT: EXACT_BANDS}
+    return bases.named("bands", bands[channels]) if channels in bands else bases.named("fitted", int(channels))
 
 
 @lru_cache(maxsize=8)

@@ -4,7 +4,7 @@ import textwrap
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..store.mixer import CURVE
-from . import icons
+from . import expected, icons
 
 __all__ = ["draw", "words"]
 
@@ -16,6 +16,7 @@ def draw(layout, settings) -> None:
     line = layout.row(align=True)
     line.operator_menu_enum("relume.regroup", "way", text="Light Groups", icon="OUTLINER_OB_LIGHT")
     line.operator("relume.remove_empty_groups", text="", icon="BRUSH_DATA")
+    expected.draw_mix(layout, settings)
     if settings.problem:
         words(layout, settings.problem, alert=True)
     _draw_balance(layout, settings)
@@ -42,7 +43,9 @@ def _draw_row(layout, settings, row, index: int) -> None:
     line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
     # The name of an illuminant can be long: it has the whole width
-    chosen = box.operator(
+    line = box.row(align=True)
+    expected.draw_dot(line, settings, row)
+    chosen = line.operator(
         "relume.choose_illuminant",
         text=row.label,
         **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
