@@ -17,8 +17,8 @@ __all__ = ["main", "sections"]
 INFERRED = f"""\
 Reflectances: {{reflectances}}. Taken from the paper: {paper.WAVELENGTHS.size} samples from \
 {paper.WAVELENGTHS[0]:.0f} to {paper.WAVELENGTHS[-1]:.0f} nm; lights {", ".join(paper.LIGHTS)}; eq. 12 with unit L2 \
-norm over all wavelengths, then columns that sum to 1; its intervals for p = 5; the light as a factor, in every row but \
-our own. Inferred:
+norm over all wavelengths, then columns that sum to 1; its intervals for p = 5; the light as a factor, in every row \
+but our own. Inferred:
 
 - Intervals for the other p are even: {{intervals}}. Of those that `python -m relume.benchmarks.paper_intervals` \
 tries, these come nearest to the printed rows.
