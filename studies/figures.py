@@ -73,7 +73,9 @@ def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]]) -> None:
     figure.savefig(path)
 
 
-def delta_e_maps(path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 5.0, columns: int = 2) -> None:
+def delta_e_maps(
+    path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 5.0, columns: int = 2, measure: str = "ΔE2000"
+) -> None:
     """Write maps of colour difference (title, (height, width)) in a grid, with one colour bar from 0 to `vmax`.
 
     The title of each gets the median and the 98th percentile; 1 is a just noticeable difference.
@@ -84,7 +86,7 @@ def delta_e_maps(path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 
         median, p98 = np.percentile(values, [50, 98])
         axis.set_title(f"{title}\nmedian {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
     bar = figure.colorbar(shown, ax=list(axes), fraction=0.03, extend="max")
-    bar.set_label("ΔE2000 (1 is just noticeable)")
+    bar.set_label(f"{measure} (1 is just noticeable)")
     figure.savefig(path)
 
 
