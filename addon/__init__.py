@@ -23,6 +23,7 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        transfer_panel,
     )
 
     palettes = (
@@ -34,7 +35,18 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, operators, panels, *palettes, material_panel, light_panel, handlers, commands
+    return (
+        properties,
+        icons,
+        operators,
+        panels,
+        *palettes,
+        material_panel,
+        transfer_panel,
+        light_panel,
+        handlers,
+        commands,
+    )
 
 
 def register() -> None:
