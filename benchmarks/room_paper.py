@@ -44,13 +44,11 @@ FLOOR = 1e-4  # of white: darker pixels have no colour to speak of
 TOP = 5.0  # of the error maps
 
 
-def objects_seen(scene) -> np.ndarray:
-    """The name of what each pixel's centre sees first -> (height, width) of str."""
+def objects_seen(scene, width: int, height: int) -> np.ndarray:
+    """The name of what the centre of each pixel sees first -> (height, width) of str."""
     graph = bpy.context.evaluated_depsgraph_get()
     camera = scene.camera
     frame = camera.data.view_frame(scene=scene)  # top right, bottom right, bottom left, top left, in camera space
-    part = scene.render.resolution_percentage / 100
-    width, height = int(scene.render.resolution_x * part), int(scene.render.resolution_y * part)
     matrix, names = camera.matrix_world, np.empty((height, width), dtype=object)
     for y, x in np.ndindex(height, width):
         across, down = (x + 0.5) / width, (y + 0.5) / height
@@ -130,8 +128,8 @@ def sections(images: dict, truth, finer, names: np.ndarray) -> Iterator[Section]
 
 def run(scene, out: Path) -> None:
     """Render every model and the references, print and write the tables, and the error maps as one sheet."""
-    names = objects_seen(scene)
     truth = room_accuracy.render_room(scene, bases.bands(36), "reference, 36 bands")
+    names = objects_seen(scene, *truth.size)
     finer = room_accuracy.render_room(scene, bases.bands(48), "reference, 48 bands")
     images = {
         (space, dominant): room_accuracy.render_room(

@@ -64,10 +64,10 @@ def _page_of(pictures: Sequence[tuple[str, NDArray]], columns: int) -> tuple["Fi
     return figure, axes
 
 
-def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]]) -> None:
-    """Write pictures in a row: (title, (height, width, 3) encoded for the display, 0..1) each."""
-    figure, axes = _page_of(pictures, len(pictures))
-    for axis, (title, picture) in zip(axes, pictures, strict=True):
+def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]], columns: int = 0) -> None:
+    """Write pictures in a row, or `columns` to one: (title, (height, width, 3) encoded for the display, 0..1) each."""
+    figure, axes = _page_of(pictures, columns or len(pictures))
+    for axis, (title, picture) in zip(axes, pictures, strict=False):
         axis.imshow(np.clip(picture, 0.0, 1.0), interpolation="lanczos")
         axis.set_title(title, fontsize=11)
     figure.savefig(path)

@@ -67,7 +67,8 @@ def _add_lights(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, or FILE#COLUMN; "
+        f"GAIN: 0 to {GAINS[1]:.0f}",
     )
     parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -17,6 +18,7 @@ from relume.addon.host import console
 from relume.addon.scene import render, setup
 from relume.core import results
 from relume.core.picture import coefficients
+from relume.core.spectra import files, library
 
 CHEAP = ("--channels", "3")
 COMMAND = (sys.executable, "-m", "relume")
@@ -105,6 +107,17 @@ def test_pictures_as_people_type_them(home, rendered, out):
     path = rendered / out.replace("~", "home")
     assert coefficients.read_rgb(path).shape == (36, 48, 3)
     assert names(path.parent)[0][0] != "."
+
+
+def test_light_of_a_file_of_spectra(home, rendered, capsys):
+    lamps = [library.illuminant(name) for name in ("A", "FL2")]
+    files.write("lamps.csv", [replace(lamp, name=name) for lamp, name in zip(lamps, ("warm", "cool"), strict=True)])
+    for light, out in (("tungsten=FL2*0.5", "named.exr"), ("tungsten=lamps.csv#cool*0.5", "filed.exr")):
+        assert commands.execute(["relight", "little.exr", "--light", light, "--out", out]) == 0
+    named, filed = (coefficients.read_rgb(rendered / name) for name in ("named.exr", "filed.exr"))
+    np.testing.assert_allclose(filed, named, rtol=1e-4, atol=1e-6)
+    assert commands.execute(["relight", "little.exr", "--light", "tungsten=lamps.csv#blue", "--out", "x.png"]) == 1
+    assert "lamps.csv has no column 'blue'; it has warm, cool" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
