@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -19,6 +18,7 @@ from relume.addon.scene import render, setup
 from relume.core import results
 from relume.core.picture import coefficients
 from relume.core.spectra import files, library
+from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
 CHEAP = ("--channels", "3")
 COMMAND = (sys.executable, "-m", "relume")
@@ -110,8 +110,8 @@ def test_pictures_as_people_type_them(home, rendered, out):
 
 
 def test_light_of_a_file_of_spectra(home, rendered, capsys):
-    lamps = [library.illuminant(name) for name in ("A", "FL2")]
-    files.write("lamps.csv", [replace(lamp, name=name) for lamp, name in zip(lamps, ("warm", "cool"), strict=True)])
+    lamps = {"warm": library.illuminant("A").sampled(), "cool": library.illuminant("FL2").sampled()}
+    files.write("lamps.csv", [Spectrum(WAVELENGTHS, power, name, "illuminant") for name, power in lamps.items()])
     for light, out in (("tungsten=FL2*0.5", "named.exr"), ("tungsten=lamps.csv#cool*0.5", "filed.exr")):
         assert commands.execute(["relight", "little.exr", "--light", light, "--out", out]) == 0
     named, filed = (coefficients.read_rgb(rendered / name) for name in ("named.exr", "filed.exr"))
