@@ -21,7 +21,8 @@ from ...core.errors import CoefficientImageError, ResultError, SequenceError, Se
 from ...core.picture import coefficients, description, mixing, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
-from ...core.spectra import library
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
 from ..scene import content, describe, render, setup
 from . import arguments, expected
@@ -205,8 +206,19 @@ def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
         except UsageError as error:
             raise UsageError(f"--light {text}: the gain {error}") from error
         parts = tuple((library.illuminant(part), weight) for part, weight in arguments.blend(name))
-        lights[group] = Light(mixing.blend(parts) if parts else library.illuminant(name), gained)
+        lights[group] = Light(mixing.blend(parts) if parts else _illuminant(name), gained)
     return lights
+
+
+def _illuminant(name: str) -> Spectrum:
+    """An illuminant of the library, or FILE#COLUMN for one of a file of spectra. Raises LibraryError, SpectrumError."""
+    path, mark, column = name.rpartition("#")
+    if not mark:
+        return library.illuminant(name)
+    found = {spectrum.name: spectrum for spectrum in files.read(path, "illuminant")}
+    if column not in found:
+        raise UsageError(f"{path} has no column {column!r}; it has {', '.join(found)}")
+    return found[column]
 
 
 def relight_file(options: argparse.Namespace) -> None:
