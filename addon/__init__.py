@@ -12,6 +12,7 @@ def _modules():
     from .cli import commands
     from .store import palette, properties
     from .ui import (
+        expected,
         icons,
         light_panel,
         material_panel,
@@ -24,7 +25,9 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        preferences,
         spectrum_files,
+        transfer_panel,
     )
 
     palettes = (
@@ -38,11 +41,14 @@ def _modules():
     )
     return (
         properties,
+        preferences,
         icons,
+        expected,
         operators,
         panels,
         *palettes,
         material_panel,
+        transfer_panel,
         light_panel,
         spectrum_files,
         menus,

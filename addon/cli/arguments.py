@@ -32,7 +32,7 @@ QUALITIES = (0.1, 20.0)  # ΔE of a web page
 _SCENE = "what the file was rendered from, for renders whose note does not say enough"
 _LAYER = "one of the artist's view layers; default: the first"
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
-_CHANNELS = [name for name, _, _ in properties.CHANNELS]
+_CHANNELS = [name for name, *_ in properties.CHANNELS]
 _RANGE = re.compile(r"(-?[0-9]+)(?:-(-?[0-9]+))?")
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 # What Blender's own output path fills in
@@ -82,8 +82,8 @@ def _add_lights(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, or a blend as "
-        f'[["D65", 0.25], ["A", 0.75]]; GAIN: 0 to {GAINS[1]:.0f}',
+        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, FILE#COLUMN, or a blend "
+        f'as [["D65", 0.25], ["A", 0.75]]; GAIN: 0 to {GAINS[1]:.0f}',
     )
     parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 

@@ -21,11 +21,12 @@ from ...core.errors import CoefficientImageError, ResultError, SequenceError, Se
 from ...core.picture import coefficients, description, mixing, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
-from ...core.spectra import library
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
-from ..scene import describe, render, setup
+from ..scene import content, describe, render, setup
 from ..store import mix_file, mixes
-from . import arguments
+from . import arguments, expected
 
 __all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
 
@@ -134,7 +135,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         rendered = render.render(scene, exr.parent, progress, denoising.guides_of(scene) if denoises else None)
     finally:
         progress.done()
-    image = rendered.image
+    image = replace(rendered.image, shows=content.content_of(scene))
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
     mixes = dict.fromkeys(names, lights)
     if plain:
@@ -152,6 +153,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
         "light_groups": {group: light.illuminant.name for group, light in lights.items()},
         "illuminants": list(mixes),
+        "expected": {label: expected.of(image, image.mix(mix)) for label, mix in mixes.items()},
         "files": [path.name for path in written],
     }
     with ExitStack() as until_there, results.together():
@@ -162,6 +164,8 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         results.write_text(summary, _summary(scene, summary, record))
     for path in written:
         console.wrote(path)
+    for label, found in record["expected"].items():
+        expected.tell(found, image, label)
 
 
 def _summary(scene, path: Path, record: dict) -> str:
@@ -208,8 +212,19 @@ def lights_of(image: CoefficientImage, chosen: list[str], kept: dict | None = No
         except UsageError as error:
             raise UsageError(f"--light {text}: the gain {error}") from error
         parts = tuple((library.illuminant(part), weight) for part, weight in arguments.blend(name))
-        lights[group] = Light(mixing.blend(parts) if parts else library.illuminant(name), gained)
+        lights[group] = Light(mixing.blend(parts) if parts else _illuminant(name), gained)
     return lights
+
+
+def _illuminant(name: str) -> Spectrum:
+    """An illuminant of the library, or FILE#COLUMN for one of a file of spectra. Raises LibraryError, SpectrumError."""
+    path, mark, column = name.rpartition("#")
+    if not mark:
+        return library.illuminant(name)
+    found = {spectrum.name: spectrum for spectrum in files.read(path, "illuminant")}
+    if column not in found:
+        raise UsageError(f"{path} has no column {column!r}; it has {', '.join(found)}")
+    return found[column]
 
 
 def relight_file(options: argparse.Namespace) -> None:
@@ -239,6 +254,9 @@ def relight_file(options: argparse.Namespace) -> None:
                 console.event("relit", number=done, of=len(sources)) or print(
                     f"relit {done} of {len(sources)}", file=sys.stderr, flush=True
                 )
+    if waiting:
+        image, mix = found[0], found[0].mix(lights_of(found[0], options.light), options.white)
+        expected.tell(expected.of(image, mix), image)
 
 
 def _check_apart(sources: dict[Path, Path]) -> None:

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import RelumeError, SetupError
-from ...core.model import channel_order
+from ...core.model import bases, channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, plan, recombination
 from ...core.picture.mix import Light, Mix
@@ -65,6 +65,8 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
         shows = content.content_of(scene)
         found = yield from _meanwhile("choosing channels", planned, shows, scene.relume.tolerance)
         model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
+    if model is None and scene.relume.channels == properties.PREFILTERED:
+        model = bases.prefiltered(content.dominant(scene), scene.relume.rendering_space)
     model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
@@ -84,6 +86,8 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
                 at = each
                 for _ in bring_in_line(each, model, before[each][2] if each in before else {}):
                     yield f"setting up {each.name}"
+                if each is scene and chosen["request"]:
+                    chosen["request"] = scene.relume.request  # that of one lamp is known by the row that it now has
                 each[properties.PLAN] = chosen
             for each in scenes:
                 rows.settle(each.relume)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.picture import drawing
 
-__all__ = ["curves", "paint", "patch", "register", "swatch_and_curve", "unregister"]
+__all__ = ["curves", "dot", "paint", "patch", "register", "swatch_and_curve", "unregister"]
 
 
 _previews = None
@@ -42,6 +42,11 @@ def paint(reflectance) -> int:
         return 0
     color = drawing.paint(reflectance)
     return patch(color, color, color)
+
+
+def dot(level: str) -> int:
+    """The icon of a level of `core.expectation`. 0 in a Blender without a window."""
+    return _picture(f"dot {level}", lambda: drawing.dot(level))
 
 
 def curves(lines) -> int:

@@ -12,22 +12,45 @@ from bpy_extras.io_utils import ImportHelper
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
-from . import icons
+from . import icons, own_spectra
 from .mixer_operators import reporting
 
-__all__ = ["CLASSES", "assign_from_file", "assign_from_library", "first_place", "register", "unregister"]
+__all__ = [
+    "CLASSES",
+    "active_material",
+    "assign_from_file",
+    "assign_from_library",
+    "first_place",
+    "library_of",
+    "register",
+    "unregister",
+]
 
 _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GLASS: "Without dispersion"}
+_OWN = {}  # the user's own files, by those that were listed
 
 
 @cache  # Blender keeps no reference to the strings
-def _library(takes: str) -> list[tuple]:
+def library_of(takes: str) -> list[tuple]:
     if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
     if takes == places.GLASS:
         return [(name, name, "") for name in library.glasses()]
     found = [spectrum for label in library.REFLECTANCE_SETS for spectrum in library.reflectances(label)]
     return [(s.name, s.name, s.source, icons.paint(s), number) for number, s in enumerate(found)]
+
+
+def _offered(self, context) -> list[tuple]:
+    """The library, and the files of the user's own folder where colours are looked for."""
+    takes = self.takes or places.REFLECTANCE
+    found = own_spectra.listed(own_spectra.PAINTS) if takes == places.REFLECTANCE else []
+    if not found:
+        return library_of(takes)
+    if _OWN.get("files") is not found:
+        first = len(library_of(takes))
+        items = [(path, f"{name}  (own)", path, 0, first + k) for k, (path, name) in enumerate(found)]
+        _OWN.update(files=found, items=[*library_of(takes), *items])
+    return _OWN["items"]
 
 
 def assign_from_library(material, node, identifier: str, takes: str, name: str) -> None:
@@ -63,18 +86,18 @@ class _Place:
 
     @classmethod
     def poll(cls, context) -> bool:
-        material = _material(context)
+        material = active_material(context)
         if material is None or not material.is_editable:
             cls.poll_message_set("no material that can be edited here")
             return False
         return True
 
     def target(self, context):
-        material = _material(context)
+        material = active_material(context)
         return material, material.node_tree.nodes[self.node]
 
 
-def _material(context):
+def active_material(context):
     return getattr(context, "material", None) or (context.object and context.object.active_material)
 
 
@@ -85,15 +108,19 @@ class AssignSpectrum(_Place, Operator):
     bl_label = "Spectrum"
     bl_property = "spectrum"
 
-    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or places.REFLECTANCE))
+    spectrum: EnumProperty(name="Spectrum", items=_offered)
 
     def invoke(self, context, event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
-    def execute(self, context) -> set[str]:
-        assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
-        return {"FINISHED"}
+    @reporting
+    def execute(self, context) -> None:
+        if own_spectra.is_own(self.spectrum):
+            said, warning = assign_from_file(*self.target(context), self.socket, self.takes, self.spectrum)
+            self.report({"WARNING"} if warning else {"INFO"}, warning or said)
+        else:
+            assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
 
 
 class AssignSpectrumFile(_Place, Operator, ImportHelper):

@@ -21,7 +21,13 @@ _COMMANDS = (
     *("relume.pick_white", "relume.inspect", ""),
     *("relume.relight_exr", "relume.write_sidecar", "relume.share_as_web_page", "relume.report", ""),
     *("relume.import_spectrum", "relume.export_spectrum", ""),
-    *("relume.carry_surfaces", "relume.palette_create", "relume.palette_assign", "relume.palette_assign_lights"),
+    *(
+        "relume.carry_surfaces",
+        "relume.new_transfer",
+        "relume.palette_create",
+        "relume.palette_assign",
+        "relume.palette_assign_lights",
+    ),
 )
 
 
@@ -81,7 +87,7 @@ def _draw_place(layout, node, identifier: str, takes: str) -> None:
 
 
 def _material_menu(self, context) -> None:
-    material = getattr(context, "material", None) or (context.object and context.object.active_material)
+    material = material_panel.active_material(context)
     if material is not None:
         self.layout.separator()
         _draw_material(self.layout, material)
@@ -107,7 +113,7 @@ def _object_menu(self, context) -> None:
 def _button_menu(self, context) -> None:
     """On a colour of a material: the spectrum of just that socket."""
     socket = getattr(context, "button_pointer", None)
-    material = getattr(context, "material", None) or (context.object and context.object.active_material)
+    material = material_panel.active_material(context)
     if not isinstance(socket, bpy.types.NodeSocket) or material is None or socket.id_data != material.node_tree:
         return
     for node, identifier, takes in places.of(material):

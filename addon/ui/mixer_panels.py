@@ -7,7 +7,7 @@ from bpy.types import Menu, UIList
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.spectra.names import named
 from ..store.mixer import CURVE
-from . import icons
+from . import expected, icons
 
 __all__ = ["CLASSES", "MANY", "draw", "words"]
 
@@ -31,6 +31,7 @@ def draw(layout, settings) -> None:
     line.operator_menu_enum("relume.regroup", "way", text="Light Groups", icon="OUTLINER_OB_LIGHT")
     line.operator("relume.remove_empty_groups", text="", icon="BRUSH_DATA")
     line.menu("RELUME_MT_mix", text="", icon="DOWNARROW_HLT")
+    expected.draw_mix(layout, settings)
     if settings.problem:
         words(layout, settings.problem, alert=True)
     _draw_balance(layout, settings)
@@ -50,7 +51,7 @@ def _draw_list(layout, settings) -> None:
         box.use_property_split = False
         icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
         box.label(text=row.name, translate=False)
-        _draw_illuminant(box, row, index, icon)
+        _draw_illuminant(box, settings, row, index, icon)
         _draw_details(box, row, index, icon)
 
 
@@ -85,9 +86,11 @@ def _draw_level(line, row) -> None:
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
 
 
-def _draw_illuminant(box, row, index: int, icon: int) -> None:
+def _draw_illuminant(box, settings, row, index: int, icon: int) -> None:
     # The name of an illuminant can be long: it has the whole width
-    chosen = box.operator(
+    line = box.row(align=True)
+    expected.draw_dot(line, settings, row)
+    chosen = line.operator(
         "relume.choose_illuminant",
         text=named(row.label),
         translate=False,
@@ -110,7 +113,7 @@ def _draw_row(layout, settings, row, index: int) -> None:
     if not row.is_lit:
         line.label(text="no lights")
     _draw_level(line, row)
-    _draw_illuminant(box, row, index, icon)
+    _draw_illuminant(box, settings, row, index, icon)
     if row.is_open:
         _draw_details(box, row, index, icon)
 

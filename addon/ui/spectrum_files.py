@@ -16,11 +16,10 @@ from ..store import mixer
 from ..store.mixes import FILE
 from . import material_panel, under_cursor
 from .mixer_operators import reporting
+from .spectrum_types import EXTENSIONS, GLOB
 
-__all__ = ["CLASSES", "EXTENSIONS", "register", "row_of", "unregister"]
+__all__ = ["CLASSES", "register", "row_of", "unregister"]
 
-EXTENSIONS = (".csv", ".spd", ".spdx", ".cgats", ".it8", ".cie", ".ti3")
-_TEXT = (".txt", ".dat", ".xml")  # too common to be taken from whoever drops them for something else
 _EDITORS = {"VIEW_3D", "IMAGE_EDITOR"}
 
 MATERIAL, LIGHT, OBSERVER = "MATERIAL", "LIGHT", "OBSERVER"
@@ -93,7 +92,7 @@ class ImportSpectrum(_Of, Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
-    filter_glob: StringProperty(default=";".join(f"*{end}" for end in (*EXTENSIONS, *_TEXT)), options={"HIDDEN"})
+    filter_glob: StringProperty(default=GLOB, options={"HIDDEN"})
     use: EnumProperty(name="Becomes", description="What the spectrum is used for", items=_USES)
 
     def invoke(self, context, event) -> set[str]:
