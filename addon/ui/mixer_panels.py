@@ -2,6 +2,7 @@
 
 import textwrap
 
+import bpy
 from bpy.types import Menu, UIList
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
@@ -220,11 +221,18 @@ def _draw_output(layout, settings) -> None:
     body.operator("relume.share_as_web_page", icon="URL")
 
 
-def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
+def _columns() -> int:
+    """How many letters fit beside each other where a panel is drawn."""
+    region = bpy.context.region
+    width = region.width / bpy.context.preferences.system.ui_scale if region else 260
+    return max(16, int(width / 6.8))
+
+
+def words(layout, text: str, alert: bool = False) -> None:
     """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
     column.alert = alert
-    for line in textwrap.wrap(said(text), width):
+    for line in textwrap.wrap(said(text), _columns()):
         column.label(text=line, translate=False)
 
 
