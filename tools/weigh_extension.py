@@ -1,6 +1,6 @@
 """What a zip of the extension weighs, wheel by wheel, and what of SciPy Relume calls.
 
-    python tools/weigh_extension.py build/relume-0.1.0-linux_x64.zip
+python tools/weigh_extension.py build/relume-0.1.0-linux_x64.zip
 """
 
 import ast
