@@ -6,7 +6,7 @@
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06, section 5.1.
 
 The papers' own data, a frog and an engine, are not here: both fields are made of ellipsoids, boxes and noise. Ranges of
-their values have spectra of a palette that the designer solves (`palettes/anatomy.toml`, `palettes/machine.toml`).
+their values have spectra of a palette that the designer solves (`volumes/anatomy.toml`, `volumes/machine.toml`).
 """
 
 import math
@@ -25,7 +25,7 @@ from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 
 __all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main", "reflectances"]
 
-PALETTES = Path(__file__).with_name("palettes")
+PALETTES = Path(__file__).with_name("volumes")
 
 
 @dataclass(frozen=True)

@@ -166,7 +166,7 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
         figures.picture_row(out / f"{name}.png", pictures)
         words = (
             "A field made of simple shapes in place of the paper's data, its ranges of values with spectra of a "
-            f"designed palette (assets/palettes/{name}.toml), rendered once with 9 channels; every lighting by `relume "
+            f"designed palette (assets/volumes/{name}.toml), rendered once with 9 channels; every lighting by `relume "
             "relight`. CIEDE2000 to full spectra, where the volume is: it shines and takes in all wavelengths alike: "
             f"a pixel is a mixture of its spectra (to {apart_from_mixture:.0e}), which tells its own."
         )
