@@ -24,6 +24,7 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        transfer_panel,
     )
 
     palettes = (
@@ -35,7 +36,19 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, expected, operators, panels, *palettes, material_panel, light_panel, handlers, commands
+    return (
+        properties,
+        icons,
+        expected,
+        operators,
+        panels,
+        *palettes,
+        material_panel,
+        transfer_panel,
+        light_panel,
+        handlers,
+        commands,
+    )
 
 
 def register() -> None:

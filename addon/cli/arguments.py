@@ -2,6 +2,7 @@
 
 import argparse
 import io
+import json
 import re
 import shlex
 from contextlib import redirect_stderr
@@ -30,7 +31,7 @@ QUALITIES = (0.1, 20.0)  # ΔE of a web page
 _SCENE = "what the file was rendered from, for renders whose note does not say enough"
 _LAYER = "one of the artist's view layers; default: the first"
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
-_CHANNELS = [name for name, _, _ in properties.CHANNELS]
+_CHANNELS = [name for name, *_ in properties.CHANNELS]
 _RANGE = re.compile(r"(-?[0-9]+)(?:-(-?[0-9]+))?")
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 # What Blender's own output path fills in
@@ -67,7 +68,8 @@ def _add_lights(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help=f"what lights a group, the others stay as they were rendered; GAIN: 0 to {GAINS[1]:.0f}",
+        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, FILE#COLUMN, or a blend "
+        f'as [["D65", 0.25], ["A", 0.75]]; GAIN: 0 to {GAINS[1]:.0f}',
     )
     parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 
@@ -187,6 +189,19 @@ def number(text: str, low: float, high: float) -> float:
     if not low <= value <= high:
         raise UsageError(f"{text!r} is not a number from {low:.7g} to {high:.7g}")
     return value
+
+
+def blend(text: str) -> list[tuple[str, float]]:
+    """Illuminants and weights of a blend, [["D65", 0.25], ["A", 0.75]]; none where it is a name. Raises UsageError."""
+    if not text.startswith("["):
+        return []
+    try:
+        parts = [(name, float(weight)) for name, weight in json.loads(text)]
+        if parts and all(isinstance(name, str) and 0.0 <= weight <= 1.0 for name, weight in parts):
+            return parts
+    except (ValueError, TypeError, RecursionError):
+        pass
+    raise UsageError(f'{text}: expected a blend as [["D65", 0.25], ["A", 0.75]], weights from 0 to 1')
 
 
 def _whole(text: str, low: int, high: int) -> int:

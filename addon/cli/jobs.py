@@ -18,10 +18,11 @@ import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
-from ...core.picture import coefficients, description, sequences
+from ...core.picture import coefficients, description, mixing, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
-from ...core.spectra import library
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
 from ..scene import content, describe, render, setup
 from . import arguments, expected
@@ -201,10 +202,23 @@ def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
         if group not in lights:
             raise UsageError(f"no light group {group!r} in the file; it has {', '.join(lights)}")
         try:
-            lights[group] = Light(library.illuminant(name), arguments.number(gain, *GAINS) if star else 1.0)
+            gained = arguments.number(gain, *GAINS) if star else 1.0
         except UsageError as error:
             raise UsageError(f"--light {text}: the gain {error}") from error
+        parts = tuple((library.illuminant(part), weight) for part, weight in arguments.blend(name))
+        lights[group] = Light(mixing.blend(parts) if parts else _illuminant(name), gained)
     return lights
+
+
+def _illuminant(name: str) -> Spectrum:
+    """An illuminant of the library, or FILE#COLUMN for one of a file of spectra. Raises LibraryError, SpectrumError."""
+    path, mark, column = name.rpartition("#")
+    if not mark:
+        return library.illuminant(name)
+    found = {spectrum.name: spectrum for spectrum in files.read(path, "illuminant")}
+    if column not in found:
+        raise UsageError(f"{path} has no column {column!r}; it has {', '.join(found)}")
+    return found[column]
 
 
 def relight_file(options: argparse.Namespace) -> None:

@@ -66,6 +66,7 @@ class _Tree:
         for node in [n for n in self.tree.nodes if nodes.role(n) in nodes.INSERTED and n not in right | glows]:
             self.touch()
             take_out(self.tree, self.shading.owner, node)
+            self.conversion.animated.pop(self.tree, None)  # the animation that acted on it went back
         for socket, insertions in missing:
             self.touch()
             self.insert(socket, insertions)
@@ -183,6 +184,8 @@ def restore(tree, owner) -> None:
         return
     with nodes.unplugged(tree):
         for node in inserted:
+            if "Tint" in node.inputs and isinstance(owner, bpy.types.Light):
+                animation.carry(tree, node.inputs["Tint"].path_from_id("default_value"), owner, "color")
             take_out(tree, owner, node)
 
 

@@ -14,13 +14,13 @@ from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
 from .mixer_operators import reporting
 
-__all__ = ["CLASSES", "register", "unregister"]
+__all__ = ["CLASSES", "active_material", "library_of", "register", "unregister"]
 
 _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GLASS: "Without dispersion"}
 
 
 @cache  # Blender keeps no reference to the strings
-def _library(takes: str) -> list[tuple[str, str, str]]:
+def library_of(takes: str) -> list[tuple[str, str, str]]:
     if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
     if takes == places.GLASS:
@@ -29,7 +29,7 @@ def _library(takes: str) -> list[tuple[str, str, str]]:
     return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
 
 
-def assign_from_library(material, node, identifier: str, takes: str, name: str) -> None:
+def assign_fromlibrary_of(material, node, identifier: str, takes: str, name: str) -> None:
     """Put a spectrum of the library in a place of a material. Raises LibraryError."""
     if takes == places.METAL:
         n, k = library.conductor(name)
@@ -62,18 +62,18 @@ class _Place:
 
     @classmethod
     def poll(cls, context) -> bool:
-        material = _material(context)
+        material = active_material(context)
         if material is None or not material.is_editable:
             cls.poll_message_set("no material that can be edited here")
             return False
         return True
 
     def target(self, context):
-        material = _material(context)
+        material = active_material(context)
         return material, material.node_tree.nodes[self.node]
 
 
-def _material(context):
+def active_material(context):
     return getattr(context, "material", None) or (context.object and context.object.active_material)
 
 
@@ -84,14 +84,14 @@ class AssignSpectrum(_Place, Operator):
     bl_label = "Spectrum"
     bl_property = "spectrum"
 
-    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or places.REFLECTANCE))
+    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: library_of(self.takes or places.REFLECTANCE))
 
     def invoke(self, context, event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
     def execute(self, context) -> set[str]:
-        assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
+        assign_fromlibrary_of(*self.target(context), self.socket, self.takes, self.spectrum)
         return {"FINISHED"}
 
 

@@ -4,7 +4,7 @@ import bpy
 from bpy.types import Panel
 
 from ..scene import light_groups, render_settings
-from ..store.properties import AUTO
+from ..store.properties import AUTO, PREFILTERED
 from . import left_out, mixer_panels, remarks_panel, report_panel
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -65,6 +65,9 @@ def _draw_choice(layout, settings) -> None:
     if settings.channels == AUTO:
         layout.prop(settings, "tolerance")
         layout.prop(settings, "switching")
+    elif settings.channels == PREFILTERED:
+        layout.prop(settings, "dominant_group", icon="LIGHT")
+        layout.prop(settings, "rendering_space")
     layout.prop(settings, "split_samples")
 
 

@@ -94,9 +94,17 @@ class PasteMix(NeedsSetUp, Operator):
         lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), pasted.light)
         with mixer.quiet():
             for words in pasted.light:
-                group = words.rpartition("=")[0]
+                group, _, what = words.rpartition("=")
                 row = settings.light_groups[group]
-                row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
+                parts = arguments.blend(what.partition("*")[0])
+                if parts:
+                    row.blend.clear()
+                    for name, weight in parts:
+                        part = row.blend.add()
+                        part.illuminant, part.weight = name, weight
+                    row.source = "BLEND"
+                else:
+                    row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
                 row.solo, row.gain = False, lights[group].gain
             if pasted.white is not None:
                 settings.white_balance = pasted.white

@@ -17,6 +17,8 @@ from relume.addon.host import console
 from relume.addon.scene import render, setup
 from relume.core import results
 from relume.core.picture import coefficients, expectation
+from relume.core.spectra import files, library
+from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
 CHEAP = ("--channels", "3")
 COMMAND = (sys.executable, "-m", "relume")
@@ -107,6 +109,17 @@ def test_pictures_as_people_type_them(home, rendered, out):
     path = rendered / out.replace("~", "home")
     assert coefficients.read_rgb(path).shape == (36, 48, 3)
     assert names(path.parent)[0][0] != "."
+
+
+def test_light_of_a_file_of_spectra(home, rendered, capsys):
+    lamps = {"warm": library.illuminant("A").sampled(), "cool": library.illuminant("FL2").sampled()}
+    files.write("lamps.csv", [Spectrum(WAVELENGTHS, power, name, "illuminant") for name, power in lamps.items()])
+    for light, out in (("tungsten=FL2*0.5", "named.exr"), ("tungsten=lamps.csv#cool*0.5", "filed.exr")):
+        assert commands.execute(["relight", "little.exr", "--light", light, "--out", out]) == 0
+    named, filed = (coefficients.read_rgb(rendered / name) for name in ("named.exr", "filed.exr"))
+    np.testing.assert_allclose(filed, named, rtol=1e-4, atol=1e-6)
+    assert commands.execute(["relight", "little.exr", "--light", "tungsten=lamps.csv#blue", "--out", "x.png"]) == 1
+    assert "lamps.csv has no column 'blue'; it has warm, cool" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
