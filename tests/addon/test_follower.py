@@ -379,6 +379,19 @@ def test_a_colour_keyed_in_blenders_own_field_joins_the_keys_of_the_lamp(startup
     }
 
 
+def test_a_lamp_whose_animation_becomes_that_of_its_copy_too_has_its_colour_back(startup, tmp_path):
+    light = bpy.data.lights["Light"]
+    keyed(light, {1: (1.0, 0.2, 0.1), 10: (0.1, 0.2, 1.0)}, "color")
+    setup.set_up(startup, bases.fitted(6))
+    copy = bpy.data.objects["Light"].copy()
+    copy.data = light.copy()
+    startup.collection.objects.link(copy)
+    startup.frame_set(5)
+    shown = pixels(startup, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(startup, tmp_path / "b.exr"))
+    assert {path for path, _ in keys(light)} == {"color"}
+
+
 def test_a_colour_keyed_where_relume_shows_it_stays_when_relume_goes(ready, tmp_path):
     light = bpy.data.lights["Light"]
     (node,) = [node for node in light.node_tree.nodes if nodes.role(node) == "light"]
