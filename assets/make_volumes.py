@@ -20,9 +20,10 @@ from mathutils import Vector
 
 from ..addon.graph import spectra, transfer
 from ..core import palette
+from ..core.spectra.arrays import Array
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 
-__all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main"]
+__all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main", "reflectances"]
 
 PALETTES = Path(__file__).with_name("palettes")
 
@@ -126,6 +127,11 @@ def lightings(name: str) -> dict[str, tuple[Spectrum, float]]:
         illuminant = Spectrum(WAVELENGTHS, values, title, "illuminant", "designed")
         found[title] = illuminant, float(values @ palette.colours.xyz_weights()[1])
     return found
+
+
+def reflectances(name: str) -> Array:
+    """The designed reflectances of a volume -> (m, 81)."""
+    return _solved(SCENES[name].palette).sampled("reflectance")
 
 
 def build(name: str):
