@@ -16,6 +16,7 @@ def _modules():
         icons,
         light_panel,
         material_panel,
+        menus,
         operators,
         palette_assign,
         palette_demands,
@@ -24,6 +25,8 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        preferences,
+        spectrum_files,
         transfer_panel,
     )
 
@@ -38,6 +41,7 @@ def _modules():
     )
     return (
         properties,
+        preferences,
         icons,
         expected,
         operators,
@@ -46,6 +50,8 @@ def _modules():
         material_panel,
         transfer_panel,
         light_panel,
+        spectrum_files,
+        menus,
         handlers,
         commands,
     )

@@ -25,6 +25,7 @@ from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
 from ..scene import describe, render, setup
+from ..store import mix_file, mixes
 from . import arguments, expected
 
 __all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
@@ -191,9 +192,14 @@ def _noted(path: Path) -> list[dict]:
     raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
 
 
-def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
-    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
+def lights_of(image: CoefficientImage, chosen: list[str], kept: dict | None = None) -> dict[str, Light]:
+    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given.
+
+    kept: a mix that was saved, as `mix_file.mix_from` returns it; what is chosen comes after it.
+    """
     lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    if kept is not None:
+        lights |= mix_file.lights_in(kept, list(lights))
     for text in chosen:
         group, equals, what = text.rpartition("=")
         name, star, gain = what.partition("*")
@@ -230,9 +236,11 @@ def relight_file(options: argparse.Namespace) -> None:
     waiting = {out: source for out, source in sources.items() if not (options.resume and _is_newer(out, source))}
     found = coefficients.describe_all(waiting.values(), options.described, options.layer)
     for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
-        lights_of(image, options.light)
+        lights_of(image, options.light, options.kept)
         if options.out.suffix.lower() != ".exr":
             render.check_view(source, image)
+    if options.kept is not None and options.kept["balance"].get("white_source", "MIX") != "MIX":
+        console.say("the saved mix takes its white from a light group or a pixel; here it is that of all light")
     if waiting:
         _remark(next(iter(waiting.values())), options)
     with results.folder(options.out.parent):
@@ -301,13 +309,24 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
+def _seen(image: CoefficientImage, kept: dict | None) -> CoefficientImage:
+    """A coefficient image, seen as a saved mix says: by its observer, adapted to its own white. Raises RelumeError."""
+    if kept is None:
+        return image
+    balance = {"observer": image.observer, "white_balance_method": image.white_balance_method} | kept["balance"]
+    observed = balance["observer"]
+    observer = mixes.stored_observer(balance["observer_measured"]) if observed == mixes.FILE else observed
+    return replace(image, white=None, white_balance_method=balance["white_balance_method"], observer=observer)
+
+
 def _relit(waiting: dict[Path, Path], options: argparse.Namespace) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
     def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
         image = coefficients.read(source, options.described, options.layer)
-        return out, image, render.picture(image, lights_of(image, options.light), options.white)
+        lights = lights_of(image, options.light, options.kept)
+        return out, image, render.picture(_seen(image, options.kept), lights, options.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

@@ -12,7 +12,7 @@ from ...core.errors import RelumeError
 from ...core.model import bases
 from ...core.model.factor_model import FactorModel
 from ...core.spectra import files
-from . import changes, mixes
+from . import changes, mixes, preferred
 from .mixer import CLASSES as MIXER_CLASSES
 from .mixer import LightGroup, Snapshot, mix_changed, reading
 from .mixes import FILE
@@ -22,6 +22,7 @@ __all__ = ["AUTO", "CHANNELS", "CLASSES", "PREFILTERED", "LightGroup", "model_fo
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
 STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
+FIRST = "relume_first"  # on a scene that shows an EXR: the mix that it was rendered with, as a snapshot keeps it
 REFERENCE_BANDS = 36
 EXACT_BANDS = 81
 
@@ -115,6 +116,7 @@ class SceneSettings(PropertyGroup):
         description="How finely the spectrum is split. Three channels are one render pass",
         items=CHANNELS,
         default=AUTO,
+        get_transform=preferred.channels,
     )
     tolerance: FloatProperty(
         name="Tolerance",
@@ -123,6 +125,7 @@ class SceneSettings(PropertyGroup):
         default=1.0,
         min=0.02,
         soft_max=5.0,
+        get_transform=preferred.tolerance,
     )
     dominant_group: StringProperty(
         name="Dominant Light",

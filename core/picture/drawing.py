@@ -9,7 +9,7 @@ from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 
-__all__ = ["circle", "curve", "dot", "icon", "lines", "patch", "plot", "ribbon", "swatch"]
+__all__ = ["circle", "curve", "dot", "icon", "lines", "paint", "patch", "plot", "ribbon", "swatch"]
 
 _OVERSAMPLING = 2
 
@@ -19,6 +19,13 @@ def swatch(illuminant: Spectrum) -> Array:
     xyz = illuminant.sampled() @ library.observer()
     rgb = np.maximum(np.linalg.solve(rgb_to_xyz(), xyz), 0.0)
     return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
+
+
+def paint(reflectance: Spectrum) -> Array:
+    """(3,) colour of a reflectance in D65, sRGB 0..1; what the display cannot show is clipped."""
+    seen = library.illuminant("D65").sampled()[:, None] * library.observer()
+    rgb = np.linalg.solve(rgb_to_xyz(), reflectance.sampled() @ seen / seen[:, 1].sum())
+    return srgb_encoded(np.clip(rgb, 0.0, 1.0))
 
 
 def curve(spectrum: Spectrum) -> Array:
