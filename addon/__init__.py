@@ -12,9 +12,11 @@ def _modules():
     from .cli import commands
     from .store import palette, properties
     from .ui import (
+        expected,
         icons,
         light_panel,
         material_panel,
+        menus,
         operators,
         palette_assign,
         palette_demands,
@@ -23,6 +25,8 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        preferences,
+        spectrum_files,
         transfer_panel,
     )
 
@@ -37,13 +41,17 @@ def _modules():
     )
     return (
         properties,
+        preferences,
         icons,
+        expected,
         operators,
         panels,
         *palettes,
         material_panel,
         transfer_panel,
         light_panel,
+        spectrum_files,
+        menus,
         handlers,
         commands,
     )

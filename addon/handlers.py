@@ -59,6 +59,13 @@ def _soon() -> None:
         bpy.app.timers.register(follower.tick, first_interval=0.25)
 
 
+def _watch() -> float:
+    """Timer in a window."""
+    if not _is_playing() and follower.watch():
+        _soon()
+    return 1.0
+
+
 @persistent
 def _look_again(*_) -> None:
     """After undo, redo, reading a file and playing, anything may be different."""
@@ -172,11 +179,14 @@ def register() -> None:
         changes.follow(change, function)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).append(function)
+    if not bpy.app.background:
+        bpy.app.timers.register(_watch, persistent=True)
 
 
 def unregister() -> None:
-    if bpy.app.timers.is_registered(follower.tick):
-        bpy.app.timers.unregister(follower.tick)
+    for timer in (follower.tick, _watch):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
     changes.forget()
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

@@ -1,4 +1,4 @@
-"""Render the pictures that the documentation shows: `python -m relume.assets.make_pictures [FOLDER]`."""
+"""Render the pictures that the documentation shows: `python -m relume.assets.make_pictures [FOLDER [NAME ...]]`."""
 
 import sys
 import tempfile
@@ -11,13 +11,14 @@ from ..addon.graph import glass
 from ..addon.host import denoising
 from ..addon.host.console import Progress
 from ..addon.scene import render, setup
+from ..core import palette
 from ..core.colour import spaces
 from ..core.model import bases
 from ..core.picture.mix import Light
 from ..core.spectra import library
 from ..core.web import page
 from ..studies import figures
-from . import make_room, prism
+from . import make_room, prism, spheres
 
 __all__ = ["main"]
 
@@ -63,16 +64,39 @@ def _prism(path: Path):
 
 
 def _room_page(path: Path):
-    """The room as a page of `relume web`, its passes denoised."""
+    """The room as a page of `relume web`."""
     bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
     scene = bpy.context.scene
-    scene.cycles.samples, scene.render.resolution_percentage = _SAMPLES // 2, 150
+    scene.render.resolution_percentage = 150
+    _page(scene, path, "The test room", _SAMPLES // 6)
+
+
+def _spheres_page(path: Path):
+    """Five paints under the sun and the sky."""
+    scene = spheres.build([library.reflectance(name) for name in spheres.PAINTS])
+    scene.render.resolution_x, scene.render.resolution_y = 720, 360
+    _page(scene, path, "Five paints under sun and sky")
+
+
+def _palette_page(path: Path):
+    """Three paints that a palette designed: one grey in daylight, three colours under tungsten."""
+    designed = palette.create(palette.read(Path(__file__).with_name("palettes") / "three_metamers.toml"))
+    scene = spheres.build([entry.spectrum for entry in designed.palette.reflectances], varnished=-1)
+    scene.render.resolution_x, scene.render.resolution_y = 720, 360
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+    _page(scene, path, "One grey in daylight")
+
+
+def _page(scene, path: Path, title: str, samples: int = _SAMPLES // 2):
+    """A page of `relume web` of a scene, its passes denoised."""
+    scene.view_settings.view_transform = "Standard"
+    scene.cycles.samples = samples
     setup.set_up(scene, bases.fitted(9))
     with tempfile.TemporaryDirectory() as temporary:
         guides = denoising.guides_of(scene)
         rendered = render.render(scene, Path(temporary), Progress(scene.relume.model().passes), guides)
     image = denoising.denoised_image(rendered.image, rendered.guides, denoising.prefilter_of(scene))
-    page.write(path, [page.Picture("room", {1: lambda: image})], title="The test room", show=shown)
+    page.write(path, [page.Picture(path.stem, {1: lambda: image})], title=title, show=shown)
 
 
 def _rendered(scene):
@@ -80,14 +104,24 @@ def _rendered(scene):
         return render.render(scene, Path(temporary), Progress(scene.relume.model().passes)).image
 
 
+_MADE = {
+    "room.png": _room,
+    "prism.png": _prism,
+    "room.html": _room_page,
+    "spheres.html": _spheres_page,
+    "palette.html": _palette_page,
+}
+
+
 def main(arguments: list[str] | None = None):
-    """Render all of them into a folder, docs/ by default."""
+    """Render all of them, or those named, into a folder, docs/ by default."""
     from .. import register
 
     register()
-    folder = Path((arguments or sys.argv[1:] or ["docs"])[0])
-    for make, name in ((_room, "room.png"), (_prism, "prism.png"), (_room_page, "room.html")):
-        make(folder / name)
+    arguments = arguments or sys.argv[1:] or ["docs"]
+    folder = Path(arguments[0])
+    for name in arguments[1:] or _MADE:
+        _MADE[name](folder / name)
         print(folder / name)
 
 

@@ -78,9 +78,10 @@ def _copy(material, index: int):
     return copied
 
 
-def generate(materials: int):
-    """A scene with one object for every material."""
-    bpy.ops.wm.read_factory_settings()
+def generate(materials: int, is_new: bool = True):
+    """A scene with one object for every material. is_new: the file is read anew before, without any add-on."""
+    if is_new:
+        bpy.ops.wm.read_factory_settings()
     scene = bpy.context.scene
     scene.relume.channels = "9"
     cube, group, image = bpy.data.objects["Cube"], _shared_group(), bpy.data.images.new("image", 8, 8)

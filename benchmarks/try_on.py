@@ -21,48 +21,13 @@ import numpy as np
 
 from ..addon.graph import places, spectra
 from ..addon.scene import render, render_settings, setup, surfaces
+from ..assets import spheres
 from ..core import Light, Mix, palette, recombination
 from ..core.colour import differences
 from ..core.model import bases
 from ..core.spectra import library
 from .hard_scenes import glossy_and_glass
 from .room_accuracy import open_room
-
-_PAINTS = ("ColorChecker: red", "ColorChecker: blue", "ColorChecker: yellow", "ColorChecker: green", "CES 30")
-
-
-def _spheres():
-    """Spheres of `_PAINTS`, the first varnished, on the ground: a sun and the sky, in light groups of their own."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.render.engine, scene.cycles.use_denoising = "CYCLES", False
-    scene.render.resolution_x, scene.render.resolution_y = 480, 240
-    for index, paint in enumerate((*_PAINTS, "ColorChecker: neutral 5 (.70 D)")):
-        if index < len(_PAINTS):
-            bpy.ops.mesh.primitive_uv_sphere_add(location=(2.1 * (index - 2), 0, 1), segments=64, ring_count=32)
-            bpy.ops.object.shade_smooth()
-        else:
-            bpy.ops.mesh.primitive_plane_add(size=40)
-        material = bpy.data.materials.new(paint)
-        principled = material.node_tree.nodes["Principled BSDF"]
-        principled.inputs["Specular IOR Level"].default_value = 0.5 if index == 0 else 0.0
-        principled.inputs["Roughness"].default_value = 0.2
-        spectra.assign(material, principled.inputs["Base Color"], spectra.new_reflectance(library.reflectance(paint)))
-        bpy.context.object.data.materials.append(material)
-    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
-    sun.data.energy, sun.data.angle, sun.rotation_euler = 3.0, 0.02, (0.7, 0.3, 0.0)
-    sun.lightgroup = "sun"
-    scene.collection.objects.link(sun)
-    scene.world = bpy.data.worlds.new("sky")
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.7, 1.0, 1.0)
-    scene.world.lightgroup = "sky"
-    for name in ("sun", "sky"):
-        scene.view_layers[0].lightgroups.add(name=name)
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.location, camera.rotation_euler = (0.0, -14.0, 3.0), (1.43, 0.0, 0.0)
-    scene.collection.objects.link(camera)
-    scene.camera = camera
-    return scene
 
 
 class _Case(NamedTuple):
@@ -84,7 +49,7 @@ _SCENES = {
         (("ShaderNodeBsdfPrincipled", "ColorChecker: green"), ("blue", "ColorChecker: yellow")),
     ),
     "spheres": _Case(
-        _spheres,
+        lambda: spheres.build([library.reflectance(name) for name in spheres.PAINTS]),
         {"sun": "D50", "sky": "D65"},
         (("ColorChecker: red", "ColorChecker: blue"), ("ColorChecker: yellow", "CES 30"), ("CES 30", "CES 60")),
     ),

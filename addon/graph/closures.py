@@ -19,9 +19,11 @@ __all__ = [
     "Bounds",
     "Kind",
     "bounds_of",
+    "decides",
     "in_use",
     "is_animated",
     "is_missing",
+    "is_shader",
     "kind_of",
     "reasons",
     "spectral_sockets",
@@ -149,6 +151,11 @@ _UNBOUNDED = {
 # What a Principled surface is wholly made of where it has no diffuse part, whose colour may be above 1
 _NOT_DIFFUSE = {"Base Color": ("Metallic", "Transmission Weight", "Subsurface Weight"), "Specular Tint": ("Metallic",)}
 
+# Numbers that say whether other inputs are seen, how they are bounded, and what cannot be made spectral
+_DECIDING = {weight for weights in _WEIGHTS.values() for weight in weights.values()}
+_DECIDING |= {part for parts in _NOT_DIFFUSE.values() for part in parts}
+_DECIDING |= {"Blackbody Intensity", "Thin Film Thickness"}
+
 # Textures whose colours Cycles computes in RGB
 _RGB_TEXTURES = {
     "ShaderNodeTexSky": "the sky is computed in RGB: it takes part as RGB, upsampled on D65",
@@ -166,13 +173,19 @@ _UNKNOWN = "this version of Relume does not know {}: taken as a colour"
 _JOINTS = {"GROUP", "CUSTOM GROUP", "MIX_SHADER", "ADD_SHADER", "HOLDOUT", "SCRIPT"}
 
 
+_unknown = {}  # by kind of node: whether it is a shader that is not in the table
+
+
 def _is_unknown_shader(node) -> bool:
-    return (
-        node.bl_idname.startswith("ShaderNode")
-        and node.bl_idname not in SPECTRAL
-        and node.type not in _JOINTS
-        and any(socket.type == "SHADER" for socket in node.outputs)
-    )
+    kind = node.bl_idname
+    if kind not in _unknown:
+        _unknown[kind] = (
+            kind.startswith("ShaderNode")
+            and kind not in SPECTRAL
+            and node.type not in _JOINTS
+            and any(socket.type == "SHADER" for socket in node.outputs)
+        )
+    return _unknown[kind]
 
 
 def kind_of(socket) -> Kind | None:
@@ -191,9 +204,19 @@ def kind_of(socket) -> Kind | None:
     return None
 
 
+def is_shader(node) -> bool:
+    """Whether a node is a closure, known or not."""
+    return node.bl_idname in SPECTRAL or _is_unknown_shader(node)
+
+
+def decides(socket) -> bool:
+    """Whether the value of an input of a closure, where nothing is linked, says what should be before any of them."""
+    return socket.type in {"RGBA", "VECTOR"} or socket.name in _DECIDING
+
+
 def spectral_sockets(node) -> list:
     """The spectral inputs of a shader node in the mode that it is in; none for a node that is no closure."""
-    if node.bl_idname not in SPECTRAL and not _is_unknown_shader(node) and nodes.role(node) != "glass":
+    if not is_shader(node) and (node.bl_idname != "ShaderNodeGroup" or nodes.role(node) != "glass"):
         return []
     return [s for s in node.inputs if s.type in {"RGBA", "VECTOR"} and not s.is_unavailable and kind_of(s)]
 

@@ -66,6 +66,7 @@ class _Tree:
         for node in [n for n in self.tree.nodes if nodes.role(n) in nodes.INSERTED and n not in right | glows]:
             self.touch()
             take_out(self.tree, self.shading.owner, node)
+            self.conversion.animated.pop(self.tree, None)  # the animation that acted on it went back
         for socket, insertions in missing:
             self.touch()
             self.insert(socket, insertions)
@@ -118,6 +119,10 @@ class _Tree:
         for node, insertion in zip(chain, insertions, strict=True):
             if insertion.lamp:
                 self.tint(node, insertion.lamp)
+            elif TINT in node:  # the colour went back to its lamp
+                self.changes += 1
+                node.inputs["Tint"].default_value = (1.0, 1.0, 1.0, 1.0)
+                del node[TINT]
 
     def insert(self, socket, insertions: list[Insertion]) -> None:
         """Put the nodes in front of a socket, one before the other."""
@@ -183,6 +188,8 @@ def restore(tree, owner) -> None:
         return
     with nodes.unplugged(tree):
         for node in inserted:
+            if "Tint" in node.inputs and isinstance(owner, bpy.types.Light):
+                animation.carry(tree, node.inputs["Tint"].path_from_id("default_value"), owner, "color")
             take_out(tree, owner, node)
 
 

@@ -32,6 +32,7 @@ __all__ = [
     "glows_of",
     "group_of",
     "has_emitters",
+    "is_taken",
     "light_groups_of",
     "members_of",
     "restore",
@@ -51,11 +52,16 @@ _FILTER = "its light is deeply coloured: what it does to coloured surfaces diffe
 LONGEST = 63 - len(light_pass(""))  # bytes of a light group's name that leave room for that of its pass
 
 
-def emitters_of(scene) -> list:
-    """The objects that shine, and the world if it does."""
-    found, shines = inventory.take(scene), {}
-    things = [thing for thing in found.objects if _shines(thing, found, shines)]
-    return [*things, scene.world] if scene.world and _tree_shines(scene.world.node_tree, shines) else things
+def emitters_of(scene, found: inventory.Inventory | None = None, known=sockets) -> list:
+    """The objects that shine, and the world if it does.
+
+    found: the inventory of the scene, where it was taken. known: what tells of a tree whether it `emits` by itself, and
+    the `groups_in` it; a `memory.Memory` reads nothing twice.
+    """
+    found = found or inventory.take(scene)
+    shines = {None: False}
+    things = [thing for thing in found.objects if _shines(thing, found, shines, known)]
+    return [*things, scene.world] if scene.world and _tree_shines(scene.world.node_tree, shines, known) else things
 
 
 def light_groups_of(scene) -> list[str]:
@@ -66,10 +72,10 @@ def light_groups_of(scene) -> list[str]:
     return list(members_of(scene))
 
 
-def members_of(scene) -> dict[str, list[str]]:
-    """{light group: names of what shines in it}, in the order of `light_groups_of`."""
+def members_of(scene, inventoried: inventory.Inventory | None = None, known=sockets) -> dict[str, list[str]]:
+    """{light group: names of what shines in it}, in the order of `light_groups_of`; arguments as in `emitters_of`."""
     found = {}
-    for thing in emitters_of(scene):
+    for thing in emitters_of(scene, inventoried, known):
         found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(
             f"{thing.id_type} {thing.name}"
         )
@@ -101,20 +107,17 @@ def has_emitters(scene) -> bool:
     return bool(light_groups_of(scene))
 
 
-def _shines(thing, found, shines: dict) -> bool:
+def _shines(thing, found, shines: dict, known) -> bool:
     if thing.type == "LIGHT":
         return True
-    return any(_tree_shines(material.node_tree, shines) for material in found.materials_of(thing))
+    return any(_tree_shines(material.node_tree, shines, known) for material in found.materials_of(thing))
 
 
-def _tree_shines(tree, shines: dict) -> bool:
-    """shines: what is known already; a tree that is being looked at counts as dark, so that no circle goes on."""
-    if tree is None:
-        return False
+def _tree_shines(tree, shines: dict, known) -> bool:
+    """shines: what was found already; a tree that is being looked at counts as dark, so that no circle goes on."""
     if tree not in shines:
         shines[tree] = False
-        inner = (node.node_tree for node in tree.nodes if node.type == "GROUP")
-        shines[tree] = sockets.emits(tree) or any(_tree_shines(each, shines) for each in inner)
+        shines[tree] = known.emits(tree) or any(_tree_shines(each, shines, known) for each in known.groups_in(tree))
     return shines[tree]
 
 
@@ -127,8 +130,11 @@ class Lamp:
     glow: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
-def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
-    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks."""
+def take_colours(lights: Iterable, gentle: bool = False) -> tuple[dict, list[Remark]]:
+    """Take colour and temperature out of lamps, so that they can stand in their nodes: {light: Lamp}, remarks.
+
+    gentle: a colour that was chosen in a lamp whose colours are animated may stay until the artist has keyed it.
+    """
     lamps, remarks = {}, []
     for light in lights:
         if not _is_own(light):
@@ -139,7 +145,7 @@ def take_colours(lights: Iterable) -> tuple[dict, list[Remark]]:
         if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
             remarks.append(Remark(light.name, "", why))
         if not why:
-            lamps[light] = _take_colour(light)
+            lamps[light] = _take_colour(light, gentle)
         elif _BEFORE in light:
             restore(light)
     return lamps, remarks
@@ -150,8 +156,13 @@ def colours_of(lights: Iterable) -> dict:
     return {light: _colour_of(light) for light in lights if _is_own(light) and not _obstacle(light)}
 
 
+def is_taken(light) -> bool:
+    """Whether the colour of a lamp was taken out of it."""
+    return _BEFORE in light and _uses_nodes(light)
+
+
 def _is_own(light) -> bool:
-    return light.library is None and light.override_library is None
+    return not inventory.is_foreign(light)
 
 
 def _obstacle(light) -> str:
@@ -159,7 +170,7 @@ def _obstacle(light) -> str:
     moving = animation.paths(light, light)
     if moving & {"temperature", "use_temperature"}:
         return "its temperature is animated: its colour stays RGB"
-    if "color" in moving and animation.is_shared(light, "color"):
+    if any(animation.is_shared(light, path) for path in moving & {"color", light.get(insertion.MOVED)}):
         return "its animation is that of other lamps too: its colour stays RGB"
     if _uses_nodes(light) and not sockets.emits(light.node_tree):
         return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"
@@ -171,7 +182,7 @@ def _uses_nodes(light) -> bool:
     return light.node_tree is not None if bpy.app.version >= (5, 1, 0) else light.use_nodes
 
 
-def _take_colour(light) -> Lamp:
+def _take_colour(light, gentle: bool) -> Lamp:
     lamp = _colour_of(light)
     uses_nodes = light[_BEFORE]["use_nodes"] if _BEFORE in light else _uses_nodes(light)
     kept = {
@@ -186,7 +197,8 @@ def _take_colour(light) -> Lamp:
         light.use_nodes = True
     if light.use_temperature:
         light.use_temperature = False
-    if tuple(light.color) != _WHITE and insertion.MOVED not in light:
+    is_being_keyed = gentle and insertion.MOVED in light and not animation.is_animated(light, "color")
+    if tuple(light.color) != _WHITE and not is_being_keyed:
         light.color = _WHITE
     return lamp
 
@@ -292,11 +304,10 @@ def first_illuminant(temperatures: dict[str, float], group: str) -> str:
 class Lighting:
     """How the emission of a scene is converted: the number of each light group, its spectrum, and the lamps."""
 
-    def __init__(self, model: FactorModel, groups: dict[str, int], lamps: dict, shadings: list) -> None:
+    def __init__(self, model: FactorModel, groups: dict[str, int], lamps: dict, glows: dict) -> None:
+        """glows: {shading: kelvins}, as `glows_of` tells them."""
         self.model, self.groups, self.numbers, self.lamps = model, list(groups), groups, lamps
-        groups = self.groups
-        glows = {shading: glows_of(shading, lamps.get(shading.owner)) for shading in shadings}
-        self.temperatures = _of_groups(groups, glows)
+        self.temperatures = _of_groups(self.groups, glows)
         self.glows = {shading.owner: kelvins for shading, kelvins in glows.items()}
 
     def _emitter(self, name: str, kelvin: float):

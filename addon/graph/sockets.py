@@ -11,7 +11,7 @@ import bpy
 
 from ...core.model import upsample
 from ..host import animation
-from ..host.inventory import Inventory, take
+from ..host.inventory import Inventory, is_foreign, take
 from ..store.remarks import Remark
 from . import node_groups, nodes
 from .closures import Bounds, Kind, bounds_of, in_use, is_animated, kind_of, reasons, spectral_sockets
@@ -22,9 +22,12 @@ __all__ = [
     "Insertion",
     "Shading",
     "all_trees",
+    "can_be_made_local",
     "describe",
     "emits",
     "groups_in",
+    "has_spectra",
+    "is_converted",
     "shadings_of",
     "spectral_sockets",
     "trees_of",
@@ -34,22 +37,22 @@ __all__ = [
 
 # Nodes that turn a spectrum into another colour
 _RGB_ONLY = {"HUE_SAT", "SEPARATE_COLOR", "VALTORGB", "RGBTOBW"}
-_LINKED = (
-    "linked from {}: Blender cannot change it here, and its colours stay RGB, which shifts them even in daylight. "
-    "Make it local to have them exact"
-)
+_MAKE_LOCAL = "its colours stay RGB, which shifts them even in daylight. Make it local to have them exact"
+_LINKED = f"linked from {{}}: Blender cannot change it here, and {_MAKE_LOCAL}"
 _SHARED = "its animation is that of other materials too: the colour stays RGB"
 _TOO_PURE = "this colour lies outside Rec.709: the surface comes out less pure than plain RGB shows it"
-_OVERRIDE = (
-    "a library override: Blender keeps no new nodes in it, and its colours stay RGB, which shifts them even in "
-    "daylight. Make it local to have them exact"
-)
+_OVERRIDE = f"a library override: Blender keeps no new nodes in it, and {_MAKE_LOCAL}"
 
 
 def untouchable(owner) -> Remark:
     """What the artist reads about linked data and library overrides."""
     why = _OVERRIDE if owner.library is None else _LINKED.format(owner.library.filepath)
     return Remark(owner.name, "", why)
+
+
+def can_be_made_local(remark: Remark) -> bool:
+    """Whether a remark is one of `untouchable`."""
+    return remark.why.endswith(_MAKE_LOCAL)
 
 
 @dataclass(frozen=True)
@@ -74,24 +77,24 @@ def trees_of(scene) -> list:
     return [(shading.tree, shading.light_group) for shading in shadings_of(take(scene))[0]]
 
 
-def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
+def shadings_of(inventory: Inventory, inner: Callable | None = None) -> tuple[list[Shading], list[Remark]]:
     """The node trees that shade a scene and can be changed, and remarks on those that cannot.
 
-    Groups inside trees come once, as part of the first tree that uses them.
+    Groups inside trees come once, as part of the first tree that uses them. inner: `groups_in`, where that is known.
     """
+    inner = inner or groups_in
     found, remarks = {}, []
 
     def visit(tree, owner, light_group) -> None:
         if tree is None or tree in found or tree.get(nodes.ROLE):
             return
-        if owner.library is not None or owner.override_library is not None:
-            if not _is_converted(tree):
+        if is_foreign(owner):
+            if not is_converted(tree):
                 remarks.append(untouchable(owner))
             return
         found[tree] = Shading(tree, owner, light_group)
-        for node in tree.nodes:
-            if node.type == "GROUP":
-                visit(node.node_tree, node.node_tree, light_group)
+        for group in inner(tree):
+            visit(group, group, light_group)
 
     if inventory.world:
         visit(inventory.world.node_tree, inventory.world, inventory.world.lightgroup)
@@ -104,7 +107,8 @@ def shadings_of(inventory: Inventory) -> tuple[list[Shading], list[Remark]]:
     return list(found.values()), remarks
 
 
-def _is_converted(tree) -> bool:
+def is_converted(tree) -> bool:
+    """Whether a node tree was set up, maybe in its own file."""
     return any(nodes.role(node) for node in tree.nodes)
 
 
@@ -112,7 +116,7 @@ def _is_closed(node) -> bool:
     """Whether a node is a linked group that makes a shader: colours take part if they are spectral before it."""
     if node.type != "GROUP" or node.node_tree is None or node.node_tree.library is None or nodes.role(node):
         return False
-    return any(s.type == "SHADER" for s in node.outputs) and not _is_converted(node.node_tree)
+    return any(s.type == "SHADER" for s in node.outputs) and not is_converted(node.node_tree)
 
 
 def emits(tree) -> bool:
@@ -125,6 +129,11 @@ def emits(tree) -> bool:
 def groups_in(tree) -> list:
     """The artist's node groups in a tree."""
     return [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree and not nodes.role(node)]
+
+
+def has_spectra() -> bool:
+    """Whether the file has measured spectra."""
+    return any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
 
 
 def upsample_group_for(socket, channels: int):
@@ -153,7 +162,7 @@ class Conversion:
 
     def __init__(self, shadings: list[Shading], channels: int) -> None:
         self.channels = channels
-        self.has_spectra = any(tree.get(nodes.ROLE) == "spectrum" for tree in bpy.data.node_groups)
+        self.has_spectra = has_spectra()
         self.by_tree = {shading.tree: shading for shading in shadings}
         self.wiring = Wiring(self.by_tree)
         self.wanted: dict[bpy.types.NodeSocket, list[Insertion]] = {}

@@ -4,11 +4,11 @@ from functools import cached_property
 
 from . import nodes
 
-__all__ = ["Wiring"]
+__all__ = ["THROUGH", "Wiring"]
 
 _COLOURS = {"RGBA", "VECTOR"}  # types of sockets that differ by channel
 # Nodes that a spectrum passes through channel by channel
-_THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
+THROUGH = {"REROUTE", "MIX", "MIX_RGB", "BRIGHTCONTRAST", "GAMMA", "INVERT", "CURVE_RGB", "VECT_MATH"}
 
 
 class Wiring:
@@ -60,7 +60,7 @@ class Wiring:
         if link.from_socket.type not in _COLOURS:
             return []
         node, identifier = link.from_node, link.from_socket.identifier
-        if node.type in _THROUGH:
+        if node.type in THROUGH:
             return [s for s in node.inputs if s.type in _COLOURS and not s.is_unavailable]
         if node.type == "GROUP" and node.node_tree and not nodes.role(node):
             inner = node.node_tree.nodes if node.node_tree in self.trees else ()

@@ -9,12 +9,14 @@ circle.
 
 import re
 from collections import Counter
+from collections.abc import Collection
 
 import bpy
 
 __all__ = [
     "acts_on",
     "broken",
+    "carry",
     "count_again",
     "has_any",
     "has_strips",
@@ -25,6 +27,7 @@ __all__ = [
     "move",
     "paths",
     "renumber",
+    "shared",
 ]
 
 _PREFIX = "node_tree."
@@ -128,12 +131,24 @@ def is_shared(block, path: str) -> bool:
     return False
 
 
+def shared(block) -> tuple:
+    """How many data-blocks each of the actions moves that animate a data-block; () where none does."""
+    if block.animation_data is None:
+        return ()
+    return tuple(_users()[action.session_uid, slot.handle] for action, slot in _actions(block) if slot)
+
+
 _counted = []  # how many data-blocks each slot animates, once it has been asked for
 
 
-def count_again() -> None:
-    """Forget how many data-blocks share their animation: edits may have changed it."""
+def count_again(animated: Collection | None = None) -> None:
+    """Forget how many data-blocks share their animation: edits may have changed it.
+
+    animated: all data-blocks of the file that use an action, where that is known.
+    """
     _counted.clear()
+    if animated is not None:
+        _counted.append(_users_of(animated))
 
 
 def _users() -> Counter:
@@ -142,27 +157,49 @@ def _users() -> Counter:
     Blender's own `ActionSlot.users` may name data-blocks that are gone, and end Blender.
     """
     if not _counted:
-        found = Counter()
-        for blocks in bpy.data.user_map(key_types={"ACTION"}).values():
-            for block in blocks:
-                tree = getattr(block, "node_tree", None)
-                for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
-                    found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
-        _counted.append(found)
+        _counted.append(_users_of(set().union(*bpy.data.user_map(key_types={"ACTION"}).values())))
     return _counted[0]
 
 
+def _users_of(animated: Collection) -> Counter:
+    found = Counter()
+    for block in (block for block in animated if block.users):  # what nothing uses is gone once the file is saved
+        tree = getattr(block, "node_tree", None)
+        for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
+            found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
+    return found
+
+
 def move(block, before: str, after: str) -> bool:
-    """Let what animates or drives the path `before` of a data-block act on `after`, in the place of what did; whether
-    anything does."""
+    """Let what animates or drives the path `before` of a data-block act on `after`; returns whether anything does.
+
+    What acts on `after` already gives way, but for keys: these are joined by the new ones, as if the artist had keyed
+    the value where its animation is.
+    """
     moved = [curve for curve in _curves(block) if curve.data_path == before]
     if moved and before != after and any(curve.data_path == after for curve in _curves(block)):
         for curves in _own_curves(block):
-            for curve in [curve for curve in curves if curve.data_path == after]:
-                curves.remove(curve)
+            _make_way(curves, before, after)
+        moved = [curve for curve in _curves(block) if curve.data_path == before]
+        if not moved:
+            return True
     for curve in moved:
         curve.data_path = after
     return bool(moved)
+
+
+def _make_way(curves, before: str, after: str) -> None:
+    """Join the keys of curves of the path `before` to those of `after`; drivers, and what has no new keys, go."""
+    is_new = {curve.array_index for curve in curves if curve.data_path == before}
+    for index in [curve.array_index for curve in curves if curve.data_path == after]:
+        old = curves.find(after, index=index)
+        new = curves.find(before, index=index) if index in is_new else None
+        if new is None or not (len(old.keyframe_points) and len(new.keyframe_points)):
+            curves.remove(old)
+            continue
+        for key in new.keyframe_points:
+            old.keyframe_points.insert(key.co.x, key.co.y, keyframe_type=key.type).interpolation = key.interpolation
+        curves.remove(new)
 
 
 def _own_curves(block) -> list:
@@ -174,6 +211,26 @@ def _own_curves(block) -> list:
     own = [(a, slot) for a, slot in _actions(block) if slot and users[a.session_uid, slot.handle] == 1]
     own = dict.fromkeys(own)
     return [block.animation_data.drivers, *(bag.fcurves for action, slot in own for bag in _bags(action, slot))]
+
+
+def carry(source, before: str, target, after: str) -> None:
+    """Give the keys of a value of one data-block to a value of another, which nothing animates."""
+    size = len(target.path_resolve(after))
+    curves = [c for c in keyed(source, before) if c.data_path == before and c.array_index < size]
+    if not curves or is_animated(target, after):
+        return
+    for curve in curves:
+        for key in curve.keyframe_points:
+            target.keyframe_insert(after, index=curve.array_index, frame=key.co.x)
+    for new in keyed(target, after):
+        old = next(curve for curve in curves if curve.array_index == new.array_index)
+        new.extrapolation = old.extrapolation
+        for key, kept in zip(new.keyframe_points, old.keyframe_points, strict=True):
+            for name in ("handle_left_type", "handle_right_type", "interpolation", "co", "handle_left", "handle_right"):
+                setattr(key, name, getattr(kept, name))
+    for own in _own_curves(source):
+        for curve in [curve for curve in own if curve.data_path == before]:
+            own.remove(curve)
 
 
 def renumber(block, collection: str, numbers: dict[int, int]) -> None:

@@ -1,8 +1,10 @@
 """What a scene renders: every data-block that it reaches, and which objects show which materials."""
 
+from collections.abc import Generator
+
 import bpy
 
-__all__ = ["Inventory", "take"]
+__all__ = ["Inventory", "is_foreign", "take", "taking"]
 
 
 class Inventory:
@@ -11,15 +13,17 @@ class Inventory:
     blocks: all of them, the scene first.
     objects: those of the scene, then those that collections, Geometry Nodes and particles bring in.
     materials: {material: the first object that shows it, or None}.
+    animated: the data-blocks that use an action, all those of the file.
     """
 
-    def __init__(self, scene, uses: dict) -> None:
+    def __init__(self, scene, uses: dict, animated: set) -> None:
         reached = _reached(scene, uses)
         own = list(scene.objects)
         known = set(own)
         self.blocks = list(reached)
         self.objects = own + [block for block in reached if isinstance(block, bpy.types.Object) and block not in known]
         self.world = scene.world
+        self.animated = animated
         self._uses = uses
         self.materials = {}
         for thing in self.objects:
@@ -58,13 +62,34 @@ class Inventory:
                     waiting.append(block)
 
 
+def is_foreign(block) -> bool:
+    """Whether a data-block is linked or overrides linked data: Blender keeps its nodes from changes."""
+    return block.library is not None or block.override_library is not None
+
+
 def take(scene) -> Inventory:
     """The inventory of a scene; takes a walk over all data-blocks of the file, about 20 µs each."""
-    uses = {}
-    for block, users in bpy.data.user_map().items():
-        for user in users:
-            uses.setdefault(user, []).append(block)
-    return Inventory(scene, uses)
+    steps = taking(scene)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            return done.value
+
+
+def taking(scene) -> Generator[None, None, Inventory]:
+    """`take`, with pauses."""
+    uses, animated = {}, set()
+    kinds = {kind.identifier for kind in bpy.types.ID.bl_rna.properties["id_type"].enum_items}
+    # Materials take longest to ask, for all that their nodes may use
+    for asked in ({"MATERIAL"}, kinds - {"MATERIAL"}):
+        for block, users in bpy.data.user_map(value_types=asked).items():
+            for user in users:
+                uses.setdefault(user, []).append(block)
+            if isinstance(block, bpy.types.Action):
+                animated |= users
+        yield
+    return Inventory(scene, uses, animated)
 
 
 def _reached(scene, uses: dict) -> dict:

@@ -1,4 +1,4 @@
-"""Colours as a scene's view shows them: its exposure, curves, look and view transform."""
+"""What windows show: when they are drawn, and colours through the exposure, look and view transform of a scene."""
 
 import tempfile
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.picture import coefficients
 
-__all__ = ["displayed", "redraw", "view_of"]
+__all__ = ["displayed", "redraw", "update", "view_of"]
 
 _VIEW = ("view_transform", "look", "exposure", "gamma", "use_curve_mapping", "use_white_balance")
 _WARMTH = ("white_balance_temperature", "white_balance_tint")
@@ -56,3 +56,9 @@ def redraw() -> None:
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             area.tag_redraw()
+
+
+def update() -> None:
+    """Have Blender evaluate what was changed in the scenes of all windows, and tell its handlers, at once."""
+    for window in bpy.context.window_manager.windows:
+        window.view_layer.update()

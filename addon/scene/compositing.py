@@ -69,7 +69,7 @@ def patch(scene, groups: list[str]) -> bool:
         return False
     _take_out_all(scene)
     layers = view_layers.pass_layers(scene)
-    if scene.compositing_node_group is None:
+    if scene.compositing_node_group is None or _is_empty(scene.compositing_node_group, scene):
         scene.compositing_node_group = _new_tree(scene, next(iter(layers)))
     tree = scene.compositing_node_group
     for source, copies in layers.items():
@@ -88,6 +88,12 @@ def _is_anothers(scene) -> bool:
     if tree is None or tree.get(nodes.ROLE) != "compositing" or fed(scene):
         return False
     return any(other != scene and other.compositing_node_group == tree for other in bpy.data.scenes)
+
+
+def _is_empty(tree, scene) -> bool:
+    """Whether a tree of Relume's shows nothing of its scene: undo may leave one so."""
+    own = (node for node in tree.nodes if node.type == "R_LAYERS" and node.scene == scene)
+    return tree.get(nodes.ROLE) == "compositing" and not any(own)
 
 
 def _is_right(scene, groups: list[str]) -> bool:

@@ -17,8 +17,11 @@ _MISSING = "its library {} cannot be found: nothing of it is rendered"
 _BARE = "no object is in this view layer: its collections are excluded, or hidden in renders"
 
 
-def check(scene) -> None:
-    """Raises SetupError where a scene cannot be rendered, with one sentence that says why."""
+def check(scene, shines: bool | None = None) -> None:
+    """Raises SetupError where a scene cannot be rendered, with one sentence that says why.
+
+    shines: whether anything does, where that is known.
+    """
     camera = scene.camera
     if scene.library is not None:
         raise SetupError(f"scene {scene.name!r} is linked from {scene.library.filepath}: set it up in its own file")
@@ -30,7 +33,7 @@ def check(scene) -> None:
         raise SetupError(f"camera {camera.name!r}: its library {camera.library.filepath} cannot be found")
     if camera.type not in {"CAMERA", "LIGHT"}:
         raise SetupError(f"scene {scene.name!r} looks through {camera.name!r}, which is neither a camera nor a lamp")
-    if not lights.has_emitters(scene):
+    if not (lights.has_emitters(scene) if shines is None else shines):
         raise SetupError(f"scene {scene.name!r} has no light: add a lamp, a shining material or a world")
     if not any(layer.use for layer in scene.view_layers) and not scene.relume.is_set_up:
         raise SetupError(f"scene {scene.name!r} has no view layer that is rendered")

@@ -14,21 +14,21 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...core.errors import RelumeError
-from ...core.picture import plan
 from ..graph import lights, nodes, sockets
+from ..graph.memory import Memory
 from ..host import animation, viewing
 from ..host.console import LOG
 from ..store import mixer, properties
-from . import content, faults, passes, rows, setup, view_layers
+from . import faults, passes, planning, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick"]
+__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick", "watch"]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
 _SHADING = (bpy.types.ShaderNodeTree, bpy.types.Material, bpy.types.World, bpy.types.Light)
-# What says nothing of shading, light groups or settings that its objects do not say
-_NO_MATTER = (bpy.types.Mesh, bpy.types.Curve, bpy.types.Camera, bpy.types.Image, bpy.types.Text)
+# What brings objects and materials into a scene, beside objects themselves; meshes and the like say nothing of them
+_BRINGING = (bpy.types.Collection, bpy.types.GeometryNodeTree, bpy.types.ParticleSettings)
 
 
 @dataclass
@@ -54,7 +54,9 @@ class _Noticed:
 
 
 _shown: dict[int, Shown] = {}  # by the scene's session_uid: what was found when it was looked at last
+_memories: dict[int, Memory] = {}  # by the same
 _noticed = _Noticed()
+_seen: dict[int, tuple] = {}  # by a scene's session_uid: what `watch` saw last
 _held = 0
 
 
@@ -73,6 +75,7 @@ def forget() -> bool:
     """Look at all scenes again: what was known of them is gone after undo, or when a file was read. Returns whether
     there is anything to follow."""
     _shown.clear()
+    _memories.clear()
     _noticed.done()
     _noticed.everything = _noticed.content = bool(followed())
     _noticed.at = time.monotonic()
@@ -90,10 +93,14 @@ def notice(scene, depsgraph) -> bool:
         elif isinstance(block, bpy.types.Scene | bpy.types.CompositorNodeTree):
             _noticed.settings = True
             continue
-        elif isinstance(block, _NO_MATTER) or known.get(block.session_uid) == matters_of(block):
-            continue
-        else:
+        elif isinstance(block, bpy.types.Object):
+            if known.get(block.session_uid) == matters(block):
+                continue
             _noticed.everything = True
+        elif isinstance(block, _BRINGING):
+            _noticed.everything = True
+        else:
+            continue
         _noticed.content = True
     if _noticed.is_any():
         animation.count_again()
@@ -101,24 +108,38 @@ def notice(scene, depsgraph) -> bool:
     return _noticed.is_any()
 
 
-def matters_of(block) -> tuple | None:
-    return matters(block) if isinstance(block, bpy.types.Object) else None
+def watch() -> bool:
+    """Take note of what Blender tells nobody: view layers that came, samples that a script changed; whether any did."""
+    now = {scene.session_uid: _watched(scene) for scene in followed()}
+    changed = now != _seen and not mixer.is_quiet()
+    if changed:
+        _seen.clear()
+        _seen.update(now)
+        _noticed.settings, _noticed.at, _noticed.work = True, time.monotonic(), None
+    return changed
+
+
+def _watched(scene) -> tuple:
+    layers = [(layer.name, len(layer.lightgroups), len(layer.aovs)) for layer in view_layers.sources(scene)]
+    return (*layers, scene.cycles.samples)
 
 
 def tick() -> float | None:
     """Timer: follow what was noticed once the artist pauses; returns the seconds until it is to run again."""
-    waited = time.monotonic() - _noticed.at
     if not _noticed.is_any():
         return None
-    if waited < _PAUSE:
-        return _PAUSE - waited
     if bpy.app.is_job_running("RENDER") or mixer.is_quiet():
         return _PAUSE
+    viewing.update()  # so that Blender says what was edited until now
+    waited = time.monotonic() - _noticed.at
+    if waited < _PAUSE:
+        return _PAUSE - waited
     return _SLICE if _work_on(time.monotonic() + _SLICE) else None
 
 
 def follow() -> None:
     """Follow at once all that was noticed, as `tick` does by and by. Leaves what an artist may just be choosing."""
+    viewing.update()
     if _noticed.is_any():
         _work_on(float("inf"))
 
@@ -128,9 +149,12 @@ def _work_on(until: float) -> bool:
     try:
         with mixer.quiet(), nodes.orphans_stay():
             _noticed.work = _noticed.work or _follow()
-            while next(_noticed.work, _DONE) is not _DONE:
-                if time.monotonic() > until:
-                    return True
+            try:
+                while next(_noticed.work, _DONE) is not _DONE:
+                    if time.monotonic() > until:
+                        return True
+            finally:
+                viewing.update()  # quietly: what was changed here is no edit
     except ReferenceError:  # a data-block went away meanwhile
         return forget()
     except Exception as error:
@@ -168,6 +192,7 @@ def _follow() -> Iterator[None]:
             yield from _follow_all(scene)
             continue
         for owner in owners:
+            shown.take_colour(owner)
             if owner in shown.shadings and shown.patch([owner], gentle=True):
                 shown.note_remarks(scene)
             yield
@@ -180,16 +205,20 @@ def _follow() -> Iterator[None]:
 
 
 def _is_alone(shown: Shown, owner) -> bool:
-    """Whether an edit of a node tree reaches no further than the tree: no lamp, no node group, nothing that shines
-    otherwise than before."""
+    """Whether an edit of a node tree reaches no further than the tree: no node group, nothing that shines
+    otherwise than before; a lamp may have another colour."""
     if owner not in shown.shadings:
         known = isinstance(owner, bpy.types.NodeTree) and owner.is_embedded_data  # as its owner
         return known or bool(owner.get(nodes.ROLE)) or owner.library is not None
-    shading = shown.shadings[owner]
-    if isinstance(owner, bpy.types.Light | bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
+    shades, lamp = shown.shadings[owner], shown.lighting.lamps.get(owner)
+    if isinstance(owner, bpy.types.NodeTree) or len(shown.parts[owner]) > 1:
         return False
-    known = all(group in shown.shadings for group in sockets.groups_in(shading.tree))
-    return known and lights.glows_of(shading, shown.lighting.lamps.get(owner)) == shown.lighting.glows[owner]
+    if isinstance(owner, bpy.types.Light):
+        now = lights.colours_of([owner]).get(owner)
+        if lamp is None or now is None or now.temperature != lamp.temperature or not lights.is_taken(owner):
+            return False
+    known = all(group in shown.shadings for group in sockets.groups_in(shades.tree))
+    return known and lights.glows_of(shades, lamp) == shown.lighting.glows[owner]
 
 
 def _follow_all(scene) -> Iterator[None]:
@@ -197,14 +226,20 @@ def _follow_all(scene) -> Iterator[None]:
     if not _is_carried(scene):
         setup.remove(scene)
         return
+    surveyed = yield from shading.survey(scene, _memory_of(scene))
     try:
-        faults.check(scene)
+        faults.check(scene, bool(surveyed.members))
     except RelumeError as error:
         scene.relume["problem"] = str(error)
         return
     _shown[scene.session_uid] = yield from setup.bring_in_line(
-        scene, scene.relume.model(), rows.members_of(scene), gentle=True
+        scene, scene.relume.model(), rows.members_of(scene), True, surveyed
     )
+
+
+def _memory_of(scene) -> Memory:
+    """What is known of the node trees of a scene."""
+    return _memories.setdefault(scene.session_uid, Memory())
 
 
 def _is_carried(scene) -> bool:
@@ -220,8 +255,9 @@ def settle(scene) -> None:
     try:
         with nodes.orphans_stay():
             if _is_carried(scene):
-                setup.update(scene)
-                setup.release()
+                _noticed.work = None  # what it knows of node trees is about to change
+                shown = _shown[scene.session_uid] = setup.update(scene, memory=_memory_of(scene))
+                setup.release({scene.name: shown})
                 _plan_again(scene)
             else:
                 setup.remove(scene)
@@ -233,19 +269,12 @@ def settle(scene) -> None:
 
 def _plan_again(scene) -> None:
     """Give a scene another model where its own is no longer within the tolerance."""
-    kept, model = setup.plan_of(scene), scene.relume.model()
-    if "content" not in kept or model.is_reference or not (_noticed.content or bpy.app.background):
+    if not (_noticed.content or bpy.app.background):
         return
     _noticed.content = False
-    shows = content.content_of(scene)
-    if content.checksum(shows) == kept["content"]:
-        return
-    kept["content"] = content.checksum(shows)
-    error, worst = plan.predict(model, shows)
-    if error > scene.relume.tolerance:
-        found = setup.planned(scene, shows)
-        setup.update(scene, found.model)
-        why = f"{worst} would have come out with ΔE {error:.2g}"
-        kept |= {"reason": found.reason, "changed": f"the scene has changed: {why}; {found.model.passes} passes now"}
-        LOG.info("scene %r: %s", scene.name, kept["changed"])
-    scene[properties.PLAN] = kept
+    if revised := planning.revised(scene):
+        noted, model = revised
+        if model is not None:
+            setup.update(scene, model)
+            LOG.info("scene %r: %s", scene.name, noted["changed"])
+        scene[properties.PLAN] = noted

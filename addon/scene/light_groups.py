@@ -1,11 +1,13 @@
 """Light groups: who belongs to which, new ones by lamp, collection or illuminant, and new names."""
 
+from collections.abc import Generator
+
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..graph import lights
 from ..store import mixer
 from . import compositing, faults, rows, setup
 
-__all__ = ["WAYS", "add", "empty", "regroup", "remove_empty", "rename", "set_up", "write_gains"]
+__all__ = ["WAYS", "add", "empty", "regroup", "remove_empty", "rename", "setting_up", "write_gains"]
 
 WAYS = [
     ("LIGHT", "One per Light", "Every lamp and every shining object gets a light group of its own"),
@@ -71,13 +73,13 @@ def regroup(scene, way: str) -> int:
     return len(assigned)
 
 
-def set_up(scene, way: str) -> str:
-    """Set a scene up with what shines in groups, in one of the `WAYS` or as it is: "KEEP".
+def setting_up(scene, way: str) -> Generator[str, None, str]:
+    """Set a scene up with what shines in groups, in one of the `WAYS` or as it is: "KEEP". As `setup.setting_up`.
 
     Returns why another way was taken, "" if none was. Raises SetupError; the groups are then what they were.
     """
     if way == "KEEP":
-        setup.set_up(scene)
+        yield from setup.setting_up(scene)
         return ""
     faults.check(scene)
     things, why = lamps_of(scene), ""
@@ -87,7 +89,7 @@ def set_up(scene, way: str) -> str:
     listed = [(layer, set(layer.lightgroups.keys())) for layer in scene.view_layers]
     regroup(scene, way)
     try:
-        setup.set_up(scene)
+        yield from setup.setting_up(scene)
     except BaseException:
         for thing, group in before:
             thing.lightgroup = group

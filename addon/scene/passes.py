@@ -1,5 +1,7 @@
 """Coefficient passes as a whole: view layers, the settings that they need, their sampling, and the compositing."""
 
+from functools import lru_cache
+
 from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import sampling
@@ -26,6 +28,12 @@ def put(scene, model: FactorModel, groups: list[str]) -> None:
     compositing.patch(scene, groups)
 
 
+@lru_cache(maxsize=8)
+def _shares(model: FactorModel) -> tuple[float, ...]:
+    """`sampling.shares` by usual lights, not by those of the mixer: what is chosen there leaves the noise as it is."""
+    return tuple(sampling.shares(model, [Light(library.illuminant(name)) for name in channel_order.LIGHTS]))
+
+
 def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
     """How the passes of a scene are sampled: with noise that is independent, unless it is wanted the same or the
     artist's own drivers decide."""
@@ -37,9 +45,7 @@ def sampling_for(scene, model: FactorModel) -> sampling.Sampling:
         if own["use_sample_subset"]:
             first = own["sample_offset"]
             count = min(own["sample_subset_length"], count - first)
-        # By usual lights, not by those of the mixer: what is chosen there leaves the noise of the next render as it is
-        lights_ = [Light(library.illuminant(name)) for name in channel_order.LIGHTS]
-        return sampling.dealt(sampling.shares(model, lights_), first, count)
+        return sampling.dealt(_shares(model), first, count)
     samples = -(-count // model.passes) if settings.split_samples else 0
     if settings.same_seed or "seed" not in free:
         return sampling.same(model.passes, samples)

@@ -135,6 +135,7 @@ def patch(scene, driven: dict[str, int], adaptive: tuple[float, int] | None) -> 
             _put(struct, name, value)
     for name, otherwise in driven.items():
         view_layers.drive(scene, name, otherwise)
+    view_layers.forget_drivers(scene)
     _note(scene, _BEFORE, note | {"driven": " ".join(driven)})
     moving = {f"cycles.{name}" for name in (*driven, *SUBSET, "seed") if name in driven or not is_free(scene, name)}
     _note(scene, _PUT, {path: getattr(*_place(scene, path)) for path in kept if path not in moving})
@@ -187,6 +188,7 @@ def give_back(scene) -> None:
         return
     before, kept = scene[_BEFORE].to_dict(), own(scene)
     _stop_driving(scene, before["driven"].split(), before["had_animation"])
+    view_layers.forget_drivers(scene)
     for path, value in reversed(kept.items()):
         struct, name = _place(scene, path)
         if value is None:

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 import bpy
 
 from ...core.errors import SetupError
-from ..graph import lights
+from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..host import animation
 from ..store import mixer, schema
 from ..store.mixer import CURVE
@@ -41,15 +41,15 @@ def members_of(scene) -> dict[str, list[str]]:
     return json.loads(scene.get(_MEMBERS, "{}"))
 
 
-def sync(scene, before: dict[str, list[str]]) -> list[str]:
+def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list[str]:
     """Bring the rows in line with the light groups that shine; returns the names of these, in order.
 
-    before: what shone in each group when the rows were written (`members_of`). A row whose group is gone follows its
-    lamps, where these are all in one group that is new: in Blender's own lists a group is renamed so. So does a row of
-    which nobody knows the lamps, if it is the only one without and one group is new. Otherwise a row stays, without
-    light and behind the others, if the artist chose anything in it.
+    before: what shone in each group when the rows were written (`members_of`). now: what does.
+    A row whose group is gone follows its lamps, where these are all in one group that is new: in Blender's own lists a
+    group is renamed so. So does a row of which nobody knows the lamps, if it is the only one without and one named
+    group is new. Otherwise a row stays, without light and behind the others, if the artist chose anything in it.
     """
-    settings, now = scene.relume, lights.members_of(scene)
+    settings = scene.relume
     rows, names = settings.light_groups, list(now)
     _follow_renames(settings, before, now)
     with _followed_by_animation(settings):
@@ -95,8 +95,8 @@ def _follow_renames(settings, before: dict, now: dict) -> None:
     for group, names in followed.items():
         if group not in settings.light_groups and len(names) == 1:
             _rename(settings, names[0], group)
-    gone = [row.name for row in settings.light_groups if row.name not in now]
-    new = [group for group in now if group not in settings.light_groups]
+    gone = [row.name for row in settings.light_groups if row.name not in {*now, EVERYTHING_ELSE} and row.is_lit]
+    new = [group for group in now if group not in settings.light_groups and group != EVERYTHING_ELSE]
     if len(gone) == len(new) == 1 and gone[0] not in before:
         _rename(settings, gone[0], new[0])
 

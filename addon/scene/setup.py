@@ -1,22 +1,24 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
 import json
-from collections.abc import Callable, Generator, Iterable
-from dataclasses import replace
+from collections.abc import Generator, Iterable, Iterator, Mapping
+from contextlib import closing
+from types import MappingProxyType
 
 import bpy
 import numpy as np
 
 from ...core.errors import RelumeError, SetupError
-from ...core.model import bases, channel_order
+from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
-from ...core.picture import drawing, plan, recombination
+from ...core.picture import drawing, recombination
 from ...core.picture.mix import Light, Mix
 from ..graph import glass, insertion, lights, nodes, sockets, spectra
+from ..graph.memory import Memory
 from ..host import interruption, viewing
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
-from . import compositing, content, faults, note, passes, render_settings, rows, shading, surfaces, view_layers
+from . import compositing, faults, note, passes, planning, render_settings, rows, shading, surfaces, view_layers
 
 __all__ = [
     "SetupError",
@@ -24,16 +26,13 @@ __all__ = [
     "follow",
     "lighting",
     "matrices_of",
-    "plan_of",
-    "planned",
     "relight",
     "release",
     "remove",
     "set_up",
+    "setting_up",
     "update",
 ]
-
-_LEAST = 3  # channels: one pass as well, and what is grey today may have a colour tomorrow
 
 
 def set_up(scene, model: FactorModel | None = None) -> None:
@@ -42,25 +41,28 @@ def set_up(scene, model: FactorModel | None = None) -> None:
     A scene that is set up already is set up afresh. Whatever stops it, Ctrl-C too, leaves every scene as it was.
     Raises SetupError.
     """
+    with interruption.held_back() as let_through, closing(setting_up(scene, model)) as steps:
+        for _ in steps:
+            let_through()
+
+
+def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
+    """Do what `set_up` does piece by piece; yields what is being done. Closed on the way, it leaves all as it was."""
     faults.check(scene)
     schema.check(scene)
-    chosen = {"request": "" if model else scene.relume.request}
-    if model is None and scene.relume.channels == properties.AUTO:
-        shows = content.content_of(scene)
-        found = planned(scene, shows)
-        model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
-    if model is None and scene.relume.channels == properties.PREFILTERED:
-        model = bases.prefiltered(content.dominant(scene), scene.relume.rendering_space)
-    model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
+    chosen = {"request": ""}
+    if model is None:
+        model, chosen = yield from planning.chosen(scene)
+    model = channel_order.balanced(model)
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
     others = _others_without(scene, described)
     for other in others:
         schema.check(other)
     scenes = [scene, *others]
-    before = {s: (s[properties.MODEL], plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
+    before = {s: (s[properties.MODEL], planning.plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
     at = scene
-    with interruption.held_back() as let_through, mixer.quiet():
+    with mixer.quiet():
         try:
             for each in scenes:
                 rows.mark(each.relume)
@@ -68,7 +70,8 @@ def set_up(scene, model: FactorModel | None = None) -> None:
                 _take_out(each)
             for each in scenes:
                 at = each
-                _put_in(each, model, before[each][2] if each in before else {}, let_through)
+                for _ in bring_in_line(each, model, before[each][2] if each in before else {}):
+                    yield f"setting up {each.name}"
                 if each is scene and chosen["request"]:
                     chosen["request"] = scene.relume.request  # that of one lamp is known by the row that it now has
                 each[properties.PLAN] = chosen
@@ -86,16 +89,6 @@ def set_up(scene, model: FactorModel | None = None) -> None:
             else:
                 what = f"scene {at.name!r} is as it was, for setting it up failed"
             raise SetupError(f"{what}: {error}") from error
-
-
-def planned(scene, shows: plan.Content) -> plan.Plan:
-    """The plan for what a scene shows, with the channels in their order."""
-    found = plan.choose(shows, scene.relume.tolerance, _LEAST)
-    return replace(found, chosen=replace(found.chosen, model=channel_order.balanced(found.model)))
-
-
-def plan_of(scene) -> dict:
-    return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
 
 
 def _give_back(scenes: list, before: dict) -> str:
@@ -119,21 +112,31 @@ def _give_back(scenes: list, before: dict) -> str:
     return ", ".join(lost)
 
 
-def _put_in(scene, model: FactorModel, members: dict, let_through: Callable[[], None] = lambda: None) -> None:
-    """Bring all that a scene carries in line. let_through: called where Ctrl-C may come."""
-    for _ in bring_in_line(scene, model, members):
-        let_through()
+def _put_in(scene, model: FactorModel, members: dict) -> None:
+    """Bring all that a scene carries in line at once."""
+    _finished(bring_in_line(scene, model, members))
+
+
+def _finished(steps: Generator):
+    """What a generator returns in the end."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            return done.value
 
 
 def bring_in_line(
-    scene, model: FactorModel, members: dict, gentle: bool = False
+    scene, model: FactorModel, members: dict, gentle: bool = False, surveyed: shading.Survey | None = None
 ) -> Generator[None, None, shading.Shown]:
     """Bring all that a scene carries in line with the scene and with `model`; what is right stays untouched.
 
     A generator that yields where there may be a pause, and returns what the scene shows. members: what shone in each
-    light group before. gentle: an artist is at work, as in `insertion.patch`.
+    light group before. gentle: an artist is at work, as in `insertion.patch`. surveyed: what the scene reaches, where
+    that is known.
     """
-    groups = rows.sync(scene, members)
+    surveyed = surveyed or (yield from shading.survey(scene, Memory(is_lasting=False)))
+    groups = rows.sync(scene, members, surveyed.members)
     described = json.dumps(model.to_dict())
     if scene.get(properties.MODEL) != described:
         scene[properties.MODEL] = described
@@ -142,7 +145,7 @@ def bring_in_line(
     spectra.update_all(model)
     glass.update_all(model)
     yield
-    shown = shading.look(scene, model, groups)
+    shown = yield from shading.look(scene, model, groups, surveyed, gentle)
     yield
     for _ in shown.patch_all(gentle):
         yield
@@ -245,18 +248,22 @@ def follow(scene, said: dict) -> None:
         scene.relume["problem"] = str(error)
 
 
-def update(scene, model: FactorModel | None = None) -> None:
+def update(scene, model: FactorModel | None = None, memory: Memory | None = None) -> shading.Shown:
     """Bring all that a scene carries in line with the scene, as setting it up afresh would. Changes only what differs.
 
-    model: another one than it has; the other scenes of the file, which share it, get it too. Raises SetupError.
+    model: another one than it has; the other scenes of the file, which share it, get it too. memory: what is known of
+    its node trees. Returns what the scene shows. Raises SetupError.
     """
-    faults.check(scene)
+    surveyed = _finished(shading.survey(scene, memory or Memory(is_lasting=False)))
+    faults.check(scene, bool(surveyed.members))
     schema.check(scene)
     model = model or scene.relume.model()
     with interruption.held_back(), mixer.quiet():
-        for each in [scene, *_others_without(scene, json.dumps(model.to_dict()))]:
+        shown = _finished(bring_in_line(scene, model, rows.members_of(scene), surveyed=surveyed))
+        for each in _others_without(scene, json.dumps(model.to_dict())):
             _put_in(each, model, rows.members_of(each))
     viewing.redraw()
+    return shown
 
 
 def _others_without(scene, described: str) -> list:
@@ -309,14 +316,19 @@ def _take_out(scene) -> None:
             del scene[key]
 
 
-def release() -> None:
-    """Take the set-up out of materials, lamps and worlds that no scene shows any more."""
-    _release([scene for scene in bpy.data.scenes if scene.relume.shades])
+def release(known: dict[str, shading.Shown]) -> None:
+    """Take the set-up out of materials, lamps and worlds that no scene shows any more. known: what some scenes show."""
+    _release([scene for scene in bpy.data.scenes if scene.relume.shades], known)
 
 
-def _release(shown: list) -> None:
+def _release(shown: list, known: Mapping = MappingProxyType({})) -> None:
     """Take the set-up out of what none of some scenes shows."""
-    kept_trees = {tree for scene in shown for tree, _ in sockets.trees_of(scene)}
+    kept_trees = set()
+    for scene in shown:
+        if scene.name in known:
+            kept_trees.update(each.tree for each in known[scene.name].shadings.values())
+        else:
+            kept_trees.update(tree for tree, _ in sockets.trees_of(scene))
     kept_lights = {thing.data for scene in shown for thing in scene.objects if thing.type == "LIGHT"}
     for light in lights.local_lights():
         if light not in kept_lights:

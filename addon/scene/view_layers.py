@@ -15,6 +15,7 @@ from . import rows
 __all__ = [
     "SURFACE",
     "drive",
+    "forget_drivers",
     "follow_names",
     "pass_layers",
     "patch",
@@ -253,6 +254,15 @@ def drive(scene, name: str, otherwise: int) -> None:
     target.use_fallback_value = True
     target.fallback_value = otherwise
     driver.expression = "own"
+
+
+def forget_drivers(scene) -> None:
+    """Leave nothing of `drive` in drivers that the artist has made other ones of."""
+    for curve in scene.animation_data.drivers if scene.animation_data else ():
+        driver = curve.driver
+        for variable in [v for v in driver.variables if v.name == "own" and v.type == "CONTEXT_PROP"]:
+            if "own" not in driver.expression and variable.targets[0].data_path.startswith(f'["{_DRIVEN.format("")}'):
+                driver.variables.remove(variable)
 
 
 def samples_of(layer, scene) -> int:

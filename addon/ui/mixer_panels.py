@@ -2,20 +2,36 @@
 
 import textwrap
 
-from ...core.picture.coefficients import EVERYTHING_ELSE
-from ..store.mixer import CURVE
-from . import icons
+from bpy.types import Menu, UIList
 
-__all__ = ["draw", "words"]
+from ...core.picture.coefficients import EVERYTHING_ELSE
+from ...core.spectra.names import named
+from ..store.mixer import CURVE
+from . import expected, icons
+
+__all__ = ["CLASSES", "MANY", "draw", "words"]
+
+MANY = 8  # light groups that stand one below the other; more are a list
+_ROW_BUTTONS = {
+    "relume.select_lights": "RESTRICT_SELECT_OFF",
+    "relume.copy_illuminant": "COPYDOWN",
+    "relume.paste_illuminant": "PASTEDOWN",
+    "relume.reset_mix": "LOOP_BACK",
+}
 
 
 def draw(layout, settings) -> None:
     """The mixer of a scene that is set up."""
-    for index, row in enumerate(settings.light_groups):
-        _draw_row(layout, settings, row, index)
+    if len(settings.light_groups) > MANY:
+        _draw_list(layout, settings)
+    else:
+        for index, row in enumerate(settings.light_groups):
+            _draw_row(layout, settings, row, index)
     line = layout.row(align=True)
     line.operator_menu_enum("relume.regroup", "way", text="Light Groups", icon="OUTLINER_OB_LIGHT")
     line.operator("relume.remove_empty_groups", text="", icon="BRUSH_DATA")
+    line.menu("RELUME_MT_mix", text="", icon="DOWNARROW_HLT")
+    expected.draw_mix(layout, settings)
     if settings.problem:
         words(layout, settings.problem, alert=True)
     _draw_balance(layout, settings)
@@ -23,11 +39,71 @@ def draw(layout, settings) -> None:
     _draw_output(layout, settings)
 
 
+def _draw_list(layout, settings) -> None:
+    """Many groups: a list that scrolls, and below it the group that is chosen there."""
+    layout.template_list(
+        "RELUME_UL_light_groups", "", settings, "light_groups", settings, "active_light_group", rows=8, maxrows=16
+    )
+    index = settings.active_light_group
+    if 0 <= index < len(settings.light_groups):
+        row = settings.light_groups[index]
+        box = layout.box().column(align=True)
+        box.use_property_split = False
+        icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
+        box.label(text=row.name, translate=False)
+        _draw_illuminant(box, settings, row, index, icon)
+        _draw_details(box, row, index, icon)
+
+
+class LightGroupList(UIList):
+    bl_idname = "RELUME_UL_light_groups"
+
+    def draw_item(self, context, layout, settings, row, icon, chosen_in, chosen) -> None:
+        icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
+        line = layout.row(align=True)
+        line.active = _sounds(settings, row)
+        line.label(text="", **({"icon_value": icon} if icon else {"icon": "LIGHT"}))
+        if row.name == EVERYTHING_ELSE:
+            line.label(text=row.name)
+        else:
+            line.prop(row, "name", text="", emboss=False)
+        _draw_level(line, row)
+
+
+def _sounds(settings, row) -> bool:
+    return row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
+
+
+def _draw_level(line, row) -> None:
+    """The gain of a group, solo and mute."""
+    gain = line.row(align=True)
+    gain.ui_units_x = 3.8
+    gain.prop(row, "stops", text="")
+    unit = line.row(align=True)
+    unit.ui_units_x = 1.1
+    unit.label(text="EV")
+    line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
+    line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
+
+
+def _draw_illuminant(box, settings, row, index: int, icon: int) -> None:
+    # The name of an illuminant can be long: it has the whole width
+    line = box.row(align=True)
+    expected.draw_dot(line, settings, row)
+    chosen = line.operator(
+        "relume.choose_illuminant",
+        text=named(row.label),
+        translate=False,
+        **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
+    )
+    chosen.group, chosen.part = index, -1
+
+
 def _draw_row(layout, settings, row, index: int) -> None:
     box = layout.box().column(align=True)
     box.use_property_split = False
     line = box.row(align=True)
-    line.active = row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
+    line.active = _sounds(settings, row)
     line.prop(row, "is_open", text="", icon="DOWNARROW_HLT" if row.is_open else "RIGHTARROW", emboss=False)
     icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
     if row.name == EVERYTHING_ELSE:
@@ -36,18 +112,8 @@ def _draw_row(layout, settings, row, index: int) -> None:
         line.prop(row, "name", text="")
     if not row.is_lit:
         line.label(text="no lights")
-    gain = line.row(align=True)
-    gain.ui_units_x = 4.2
-    gain.prop(row, "stops", text="")
-    line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
-    line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
-    # The name of an illuminant can be long: it has the whole width
-    chosen = box.operator(
-        "relume.choose_illuminant",
-        text=row.label,
-        **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
-    )
-    chosen.group, chosen.part = index, -1
+    _draw_level(line, row)
+    _draw_illuminant(box, settings, row, index, icon)
     if row.is_open:
         _draw_details(box, row, index, icon)
 
@@ -67,13 +133,16 @@ def _draw_details(box, row, index: int, icon: int) -> None:
         _draw_blend(box, row, index)
     if icon:
         box.template_icon(icon_value=icon, scale=5.0)
-    box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    line = box.row(align=True)
+    line.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    for name, sign in _ROW_BUTTONS.items():
+        line.operator(name, text="", icon=sign).group = row.name
 
 
 def _draw_blend(box, row, index: int) -> None:
     for number, part in enumerate(row.blend):
         line = box.row(align=True)
-        chosen = line.operator("relume.choose_illuminant", text=part.illuminant)
+        chosen = line.operator("relume.choose_illuminant", text=named(part.illuminant), translate=False)
         chosen.group, chosen.part = index, number
         line.prop(part, "weight", text="", slider=True)
         removed = line.operator("relume.change_blend", text="", icon="REMOVE")
@@ -138,7 +207,6 @@ def _draw_output(layout, settings) -> None:
         body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
     body.operator("relume.share_as_web_page", icon="URL")
-    body.operator("relume.paste_mix", icon="PASTEDOWN")
 
 
 def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
@@ -147,3 +215,21 @@ def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
     column.alert = alert
     for line in textwrap.wrap(text, width):
         column.label(text=line)
+
+
+class MixMenu(Menu):
+    bl_idname = "RELUME_MT_mix"
+    bl_label = "Mix"
+
+    def draw(self, context) -> None:
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator("relume.copy_mix", icon="COPYDOWN")
+        self.layout.operator("relume.paste_mix", icon="PASTEDOWN")
+        self.layout.separator()
+        self.layout.operator("relume.save_mix", icon="FILE_TICK")
+        self.layout.operator("relume.load_mix", icon="FILE_FOLDER")
+        self.layout.separator()
+        self.layout.operator("relume.reset_mix", icon="LOOP_BACK").group = ""
+
+
+CLASSES = (LightGroupList, MixMenu)

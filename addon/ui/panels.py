@@ -5,13 +5,16 @@ from bpy.types import Panel
 
 from ..scene import light_groups, render_settings
 from ..store.properties import AUTO, PREFILTERED
-from . import left_out, mixer_panels, remarks_panel, report_panel
+from . import left_out, mixer_panels, preferences, remarks_panel, report_panel
 
 __all__ = ["CLASSES", "register", "unregister"]
 
 
 class _Relume:
     bl_label = "Relume"
+
+    def draw_header_preset(self, context) -> None:
+        preferences.PresetsPanel.draw_panel_header(self.layout)
 
     def draw(self, context) -> None:
         layout = self.layout
@@ -94,7 +97,15 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
+CLASSES = (
+    *mixer_panels.CLASSES,
+    SidebarPanel,
+    ImagePanel,
+    RenderPanel,
+    *left_out.CLASSES,
+    *report_panel.CLASSES,
+    *remarks_panel.CLASSES,
+)
 
 
 def register() -> None:

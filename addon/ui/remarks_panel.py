@@ -1,5 +1,6 @@
 """The panel *Not Spectral*: what stays as it was, and why."""
 
+from ..graph import sockets
 from ..store.remarks import REMARKS, of
 from .mixer_panels import words
 from .panel_places import in_both_places
@@ -33,6 +34,8 @@ class _Remarks:
                 row.label(text=f"{remark.owner} › {remark.node}" if remark.node else remark.owner, icon="DOT")
             if len(remarks) > _SHOWN:
                 box.label(text=f"and {len(remarks) - _SHOWN} more")
+            if sockets.can_be_made_local(remarks[0]):
+                box.operator("relume.make_local", icon="UNLINKED")
 
 
 CLASSES = in_both_places(_Remarks, "remarks")

@@ -82,8 +82,8 @@ def bands(channels: int = 36) -> FactorModel:
 def fitted(channels: int = 9) -> FactorModel:
     """Non-negative filters optimised for products of one to three bounces; the default model.
 
-    Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
-    weighted by the colour matching functions.
+    Optimised filters ship for 3, 5, 6, 7, 9, 12, 15, 18, 21 and 24 channels, those from 18 on for gels, LEDs and
+    saturated paints as well; other numbers get adjoining bands weighted by the colour matching functions.
 
     >>> model = fitted(9)
     >>> model.passes, model.filters.shape
@@ -139,6 +139,7 @@ def scene(
     illuminants: Sequence[Spectrum],
     exact: bool | None = None,
     lobes: bool = False,
+    rule: type[Fitted] = Fitted,
 ) -> FactorModel:
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
@@ -146,7 +147,8 @@ def scene(
     there are at least 6 channels for each. Exactness costs accuracy of further bounces, and most of all where filters
     are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
     further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
-    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. Raises ModelError.
+    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. rule: `Direct` where light
+    is reflected once or twice. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:
@@ -162,7 +164,7 @@ def scene(
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
     with optimise.one_thread():
-        task = optimise.Task.of(*training.with_general(own, part=8), power)
+        task = optimise.Task.of(*training.with_general(own, rule.bounces, part=8), power)
         weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
         found: Array | None = filters
@@ -178,7 +180,7 @@ def scene(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
             "try exact=False"
         )
-    return FactorModel("scene", WAVELENGTHS, found, Fitted(own))
+    return FactorModel("scene", WAVELENGTHS, found, rule(own))
 
 
 @cache

@@ -15,6 +15,9 @@ function hasGpu() {
   return !/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
 }
 
+// Whether every picture has as many light groups and channels at most as the programs have room for.
+const fitsGpu = () => page.pictures.every((each) => each.groups.length <= MOST_GROUPS) && page.models.every((each) => each.channels <= 4 * MOST_AXES);
+
 function glRenderer(canvas) {
   const gl = canvas.getContext("webgl2", { antialias: false, premultipliedAlpha: false, preserveDrawingBuffer: true });
   gl.getExtension("EXT_color_buffer_float");

@@ -131,7 +131,7 @@ function commandOf(picture, mix) {
   const said = wordsOf(picture, mix, gains).filter((_, g) => {
     const [light, group] = [mix.lights[g], picture.groups[g]];
     const own = page.lamps[group.lamp];
-    if (light.kind === "blend") unsaid.add("blend");
+    if (light.kind === "blend" && light.parts.some((part) => page.lamps[part.lamp].own)) unsaid.add("own");
     else if (light.kind === "lamp" && page.lamps[light.lamp].own && light.lamp !== group.lamp) unsaid.add("own");
     else if (own.own && light.kind === "lamp" && Math.abs(gains[g] - group.gain) > 1e-6) unsaid.add("own");
     else return !(light.kind === "lamp" && own.own && light.lamp === group.lamp);

@@ -108,7 +108,7 @@ async function showFrame(number) {
 
 async function showPicture(picture, mix) {
   now.mixes.set(now.picture, now.mix);
-  Object.assign(now, { picture, frame: null, compared: null, spot: null, snapshots: [] });
+  Object.assign(now, { picture, frame: null, compared: null, spot: null, snapshots: (picture.snapshots ??= []) });
   [...$("gallery").children].forEach((each, i) => each.setAttribute("aria-current", page.pictures[i] === picture));
   $("time").hidden = picture.frames.length < 2;
   $("frame").max = picture.frames.length - 1;
@@ -157,10 +157,14 @@ async function copy(text, field) {
 
 function listen() {
   const canvas = $("picture");
-  canvas.addEventListener("pointermove", (event) => {
+  const pointed = (event) => {
     const box = canvas.getBoundingClientRect();
     pointAt(((event.clientX - box.left) / box.width) * now.picture.size[0], ((event.clientY - box.top) / box.height) * now.picture.size[1]);
-  });
+  };
+  for (const name of ["pointermove", "pointerdown"]) canvas.addEventListener(name, pointed);
+  // A GPU may be taken away, from a phone's page that was long out of sight
+  canvas.addEventListener("webglcontextlost", (event) => event.preventDefault());
+  canvas.addEventListener("webglcontextrestored", () => { renderer = glRenderer(canvas); showFrame(now.number); });
   canvas.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (!step) return;
@@ -203,11 +207,13 @@ function listen() {
 }
 
 function press(event) {
-  if (event.ctrlKey || event.altKey || event.metaKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range") return;
+  const bracket = event.key === "[" || event.key === "]"; // on many keyboards it takes Alt or AltGr
+  const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "range";
+  if (typing || event.metaKey || ((event.ctrlKey || event.altKey) && !bracket)) return;
   const digit = /^Digit([1-9])$/.exec(event.code);
   const light = digit && now.mix.lights[digit[1] - 1];
   if (light) { const state = event.shiftKey ? "mute" : "solo"; light[state] = !light[state]; }
-  else if (event.key === "[" || event.key === "]") now.mix.exposure = Math.max(-6, Math.min(6, now.mix.exposure + (event.key === "]" ? 0.25 : -0.25)));
+  else if (bracket) now.mix.exposure = Math.max(-6, Math.min(6, now.mix.exposure + (event.key === "]" ? 0.25 : -0.25)));
   else if (event.key === "0") return setMix(renderedMix(now.picture));
   else if (event.key.toLowerCase() === "w") return compareWith($("other").value === "" ? "rendered" : "");
   else return;
@@ -237,7 +243,7 @@ async function start() {
   try {
     await readNumbers();
     const wanted = new URLSearchParams(location.search).get("renderer");
-    renderer = (wanted ? wanted === "gpu" : hasGpu()) ? glRenderer($("picture")) : cpuRenderer($("picture"));
+    renderer = (wanted ? wanted === "gpu" : fitsGpu() && hasGpu()) ? glRenderer($("picture")) : cpuRenderer($("picture"));
     if (page.pictures.length > 1) {
       $("gallery").hidden = false;
       $("gallery").classList.add("row");

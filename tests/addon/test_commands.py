@@ -16,7 +16,7 @@ from relume.addon.cli import commands
 from relume.addon.host import console
 from relume.addon.scene import render, setup
 from relume.core import results
-from relume.core.picture import coefficients
+from relume.core.picture import coefficients, expectation
 from relume.core.spectra import files, library
 from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
@@ -52,7 +52,9 @@ def names(folder):
 
 
 def said(capfd) -> list[str]:
-    return [line for line in capfd.readouterr().err.splitlines() if line.startswith("relume")]
+    """What was said, but for what every picture is expected to be."""
+    lines = capfd.readouterr().err.splitlines()
+    return [line for line in lines if line.startswith("relume") and " expected, " not in line]
 
 
 def digests(folder) -> dict[str, str]:
@@ -312,7 +314,7 @@ def test_a_driver_that_does_not_work_is_named(typed, capfd):
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", *CHEAP]) == 0
     printed = capfd.readouterr()
-    (line,) = [line for line in printed.err.splitlines() if line.startswith("relume")]
+    line, _ = [line for line in printed.err.splitlines() if line.startswith("relume")]  # the other: what is expected
     assert "location of floor" in line
     assert "Traceback" not in printed.err and "PyDriver" not in printed.err and "PyDriver" not in printed.out
 
@@ -346,11 +348,29 @@ def test_events_are_json_lines(typed, monkeypatch, capfd):
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", "--channels", "6"]) == 0
     printed = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
-    assert [each["event"] for each in printed] == ["pass", "pass", "wrote", "wrote", "wrote"]
+    assert [each["event"] for each in printed] == ["pass", "pass", "wrote", "wrote", "expected", "wrote"]
     assert [(each["number"], each["passes"]) for each in printed[:2]] == [(1, 2), (2, 2)]
     assert commands.execute(["render", "no.blend"]) == 1
     printed = json.loads(capfd.readouterr().out)
     assert printed == {"event": "failed", "words": "no.blend: no such file"}
+
+
+def test_every_picture_comes_with_the_error_that_is_expected(rendered, capfd):
+    """In summary.json, in the EXR, in a line; and what would help where anybody sees it."""
+    (frame,) = json.loads((rendered / "summary.json").read_text())["frames"]
+    own = frame["expected"]["A+FL2"]
+    shown = coefficients.describe(rendered / "little.exr")
+    found = expectation.expected(shown.model, shown.shows, shown.mix())
+    assert own["p98"] == pytest.approx(found.p98, rel=1e-3)
+    assert own["level"] == found.level
+    capfd.readouterr()
+    group = next(iter(shown.groups))
+    relit = ["relight", "little.exr", "--light", f"{group}=532 nm", "--out", "relit.png"]
+    assert commands.execute(relit) == 0
+    (line,) = [line for line in capfd.readouterr().err.splitlines() if " expected, " in line]
+    assert "channels: " in line
+    worse = float(line.split(" expected, ")[1].split()[0])
+    assert worse > max(expectation.YELLOW, own["p98"])
 
 
 def test_a_full_standard_output_is_one_line(rendered):

@@ -6,6 +6,7 @@ import pytest
 from test_render import composite
 
 from relume.addon.graph import nodes
+from relume.addon.host import animation
 from relume.addon.scene import compositing_nodes, follower, light_groups, render_settings, setup, view_layers
 from relume.addon.store import remarks
 from relume.core.model import bases
@@ -229,3 +230,202 @@ def test_what_follows_makes_no_data_blocks(ready):
     assert "new" in [row.name for row in ready.relume.lit]
     used = {tree for tree in bpy.data.node_groups if tree.users}
     assert used <= before and not nodes.is_undo_unsafe()
+
+
+@pytest.fixture
+def described(monkeypatch):
+    """Names of the data-blocks whose sockets were looked at, and the number of inventories that were taken."""
+    from relume.addon.graph import sockets
+    from relume.addon.host import inventory
+
+    found, describe_tree, taking = [], sockets._describe_tree, inventory.taking
+
+    def counted(conversion, shading, light):
+        found.append(shading.owner.name)
+        describe_tree(conversion, shading, light)
+
+    def taken(scene):
+        found.append("inventory")
+        return taking(scene)
+
+    monkeypatch.setattr(sockets, "_describe_tree", counted)
+    monkeypatch.setattr(inventory, "taking", taken)
+    return found
+
+
+def unplugged_colour():
+    """The colour of a closure that nothing shows, so that Blender does not say when it changes."""
+    return bpy.data.objects["Cube"].active_material.node_tree.nodes["own"].inputs["Color"]
+
+
+def write_quietly():
+    base_colour().default_value.foreach_set((0.1, 0.7, 0.2, 1.0))
+
+
+def mute_a_link():
+    base_colour().links[0].is_muted = True
+
+
+def move_a_link():
+    tree = base_colour().id_data
+    tree.links.new(tree.nodes["own"].outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+
+
+EDITS = {
+    "a value": lambda: setattr(base_colour(), "default_value", (0.1, 0.2, 0.9, 1.0)),
+    "a value, quietly": write_quietly,
+    "what nothing shows": lambda: setattr(unplugged_colour(), "default_value", (0.9, 0.2, 0.1, 1.0)),
+    "a weight": lambda: setattr(base_colour().node.inputs["Metallic"], "default_value", 1.0),
+    "a mode": lambda: setattr(base_colour().id_data.nodes["metal"], "fresnel_type", "PHYSICAL_CONDUCTOR"),
+    "a new node": lambda: base_colour().id_data.nodes.new("ShaderNodeBsdfGlossy"),
+    "a node gone": lambda: base_colour().id_data.nodes.remove(base_colour().links[0].from_node),
+    "a muted link": mute_a_link,
+    "a link": move_a_link,
+    "a grey": lambda: setattr(nodes.holder(base_colour()), "default_value", (0.5, 0.5, 0.5, 1.0)),
+}
+
+
+def test_what_is_as_it_was_is_not_looked_at_again(startup, described):
+    material = bpy.data.objects["Cube"].active_material
+    own = material.node_tree.nodes.new("ShaderNodeBsdfDiffuse")
+    own.name, own.inputs["Color"].default_value = "own", (0.2, 0.9, 0.4, 1.0)
+    material.node_tree.nodes.new("ShaderNodeBsdfMetallic").name = "metal"
+    base_colour().default_value = (0.8, 0.3, 0.1, 1.0)
+    setup.set_up(startup, bases.fitted(9))
+    follower.settle(startup)
+    for name, edit in EDITS.items():
+        follower.settle(startup)
+        described.clear()
+        follower.settle(startup)
+        assert described == ["inventory"], f"nothing was edited before {name}"
+        edit()
+        follower.settle(startup)
+        assert described == ["inventory", "inventory", material.name], name
+    assert carried(material) == carried_afresh(startup, material)
+
+
+def carried(material) -> list:
+    """What stands before the sockets of a material, and which value it holds."""
+    return sorted(
+        (n.node_tree.name, link.to_node.name, link.to_socket.name, tuple(n.inputs[0].default_value))
+        for n in material.node_tree.nodes
+        if nodes.role(n) in nodes.INSERTED
+        for link in n.outputs[0].links
+    )
+
+
+def carried_afresh(scene, material) -> list:
+    model = scene.relume.model()
+    setup.remove(scene)
+    setup.set_up(scene, model)
+    return carried(material)
+
+
+def test_the_colour_of_a_lamp_reaches_no_further(ready, described):
+    follower.follow()
+    described.clear()
+    bpy.data.lights["Light"].color = (0.2, 0.4, 1.0)
+    follower.follow()
+    assert described == ["Light"]
+    bpy.data.lights["Light"].use_temperature = True  # as what its light group shows depends on
+    follower.follow()
+    assert "inventory" in described
+
+
+def test_what_following_changes_is_no_edit(ready, described):
+    follower.forget()
+    follower.follow()
+    bpy.data.objects["Cube"].lightgroup = "new"
+    tree = bpy.data.objects["Cube"].active_material.node_tree
+    tree.nodes["Principled BSDF"].inputs["Emission Strength"].default_value = 2.0
+    follower.follow()
+    assert "new" in [row.name for row in ready.relume.lit]
+    described.clear()
+    bpy.context.view_layer.update()
+    follower.follow()
+    assert described == []
+
+
+def keyed(block, values: dict, path: str):
+    for frame, value in values.items():
+        setattr(*path_of(block, path), value)
+        block.keyframe_insert(path, frame=frame)
+
+
+def path_of(block, path: str) -> tuple:
+    owner, _, name = path.rpartition(".")
+    return (block.path_resolve(owner) if owner else block), name
+
+
+def keys(block) -> dict:
+    """{(path, index): {frame: value}} of what animates a data-block."""
+    curves = animation.keyed(block, "")
+    return {(c.data_path, c.array_index): {k.co.x: round(k.co.y, 4) for k in c.keyframe_points} for c in curves}
+
+
+def test_a_colour_keyed_in_blenders_own_field_joins_the_keys_of_the_lamp(startup, tmp_path):
+    light = bpy.data.lights["Light"]
+    keyed(light, {1: (1.0, 0.2, 0.1), 10: (0.1, 0.2, 1.0)}, "color")
+    setup.set_up(startup, bases.fitted(6))
+    keyed(light, {5: (0.3, 0.9, 0.3)}, "color")
+    startup.frame_set(5)
+    shown = pixels(startup, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(startup, tmp_path / "b.exr"))
+    setup.remove(startup)
+    assert keys(light) == {
+        ("color", 0): {1.0: 1.0, 5.0: 0.3, 10.0: 0.1},
+        ("color", 1): {1.0: 0.2, 5.0: 0.9, 10.0: 0.2},
+        ("color", 2): {1.0: 0.1, 5.0: 0.3, 10.0: 1.0},
+    }
+
+
+def test_a_lamp_whose_animation_becomes_that_of_its_copy_too_has_its_colour_back(startup, tmp_path):
+    light = bpy.data.lights["Light"]
+    keyed(light, {1: (1.0, 0.2, 0.1), 10: (0.1, 0.2, 1.0)}, "color")
+    setup.set_up(startup, bases.fitted(6))
+    copy = bpy.data.objects["Light"].copy()
+    copy.data = light.copy()
+    startup.collection.objects.link(copy)
+    startup.frame_set(5)
+    shown = pixels(startup, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(startup, tmp_path / "b.exr"))
+    assert {path for path, _ in keys(light)} == {"color"}
+
+
+def test_a_colour_keyed_where_relume_shows_it_stays_when_relume_goes(ready, tmp_path):
+    light = bpy.data.lights["Light"]
+    (node,) = [node for node in light.node_tree.nodes if nodes.role(node) == "light"]
+    path = node.inputs["Tint"].path_from_id("default_value")
+    keyed(light.node_tree, {1: (1.0, 0.5, 0.2, 1.0), 10: (0.2, 0.5, 1.0, 1.0)}, path)
+    follower.settle(ready)
+    ready.frame_set(10)
+    shown = pixels(ready, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(ready, tmp_path / "b.exr"))
+    setup.remove(ready)
+    assert [keys(light)["color", 0], keys(light)["color", 2]] == [{1.0: 1.0, 10.0: 0.2}, {1.0: 0.2, 10.0: 1.0}]
+    assert keys(light.node_tree) == {}
+    ready.frame_set(1)
+    np.testing.assert_allclose(light.color, (1.0, 0.5, 0.2), atol=1e-6)
+
+
+def test_animation_moves_with_the_node_that_comes_anew(startup):
+    tree = startup.world.node_tree
+    keyed(tree, {1: (1.0, 0.2, 0.1, 1.0)}, 'nodes["Background"].inputs[0].default_value')
+    setup.set_up(startup, bases.fitted(6))
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs[0])
+    follower.settle(startup)
+    (light,) = [node for node in tree.nodes if nodes.role(node) == "light"]
+    assert {path for path, _ in keys(tree)} == {light.inputs[0].path_from_id("default_value")}
+
+
+def test_a_row_without_lamps_does_not_become_everything_else(ready):
+    bpy.data.objects["Light"].lightgroup = "key"
+    ready.view_layers[0].lightgroups.add(name="key")
+    follower.settle(ready)
+    ready.relume.light_groups["key"].illuminant = "A"
+    setup.remove(ready)
+    bpy.data.objects["Light"].lightgroup = ""
+    setup.set_up(ready, bases.fitted(3))
+    rows = {row.name: (row.illuminant, row.is_lit) for row in ready.relume.light_groups}
+    assert rows == {"Everything else": ("D65", True), "key": ("A", False)}

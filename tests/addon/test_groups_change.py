@@ -32,6 +32,32 @@ def rows(scene) -> dict:
     return {row.name: (row.illuminant, row.stops) for row in scene.relume.light_groups}
 
 
+def grouped(scene) -> str:
+    """Set a scene up with a light group for every light; returns why that was not done."""
+    steps = light_groups.setting_up(scene, "LIGHT")
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value
+
+
+@pytest.mark.parametrize("pieces", [1, 2, 4, 6])
+@pytest.mark.parametrize("before", [None, 3])
+def test_setting_up_that_is_stopped_leaves_the_scene_as_it_was(startup, pieces, before):
+    _lamp("Lamp")
+    if before:
+        setup.set_up(startup, bases.fitted(before))
+    was = dump()
+    steps = light_groups.setting_up(startup, "KEEP" if before else "LIGHT")
+    for _ in range(pieces):
+        next(steps)
+    steps.close()
+    assert startup.relume.is_set_up == bool(before)
+    found = differences(was, dump())
+    assert [line for line in found if "relume_plan" not in line] == []
+
+
 def rename_in_blenders_list(scene, before: str, after: str):
     layer = next(iter(view_layers.pass_layers(scene).values()))[0]
     layer.lightgroups[before].name = after
@@ -226,19 +252,19 @@ def test_setting_up_puts_lights_into_groups_first(startup):
     startup.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 1.0
     count = len(light_groups.lamps_of(startup))
     assert count == light_groups.MOST, "with the scene's own lamp and its world"
-    assert light_groups.set_up(startup, "LIGHT") == ""
+    assert grouped(startup) == ""
     assert len(startup.relume.lit) == count
     assert {thing.lightgroup for thing in light_groups.lamps_of(startup)} == {r.name for r in startup.relume.lit}
     setup.remove(startup)
     _lamp("One more")
-    assert light_groups.set_up(startup, "LIGHT") == f"by collection, for {count + 1} lights are more than {count}"
+    assert grouped(startup) == f"by collection, for {count + 1} lights are more than {count}"
     assert len(startup.relume.lit) < count
 
 
 def test_light_groups_are_as_before_where_setting_up_fails(startup, monkeypatch):
     _lamp("Lamp")
-    monkeypatch.setattr(setup, "set_up", lambda scene: (_ for _ in ()).throw(SetupError("no")))
+    monkeypatch.setattr(setup, "bring_in_line", lambda *_: (_ for _ in ()).throw(SetupError("no")))
     with pytest.raises(SetupError):
-        light_groups.set_up(startup, "LIGHT")
+        grouped(startup)
     assert {thing.lightgroup for thing in light_groups.lamps_of(startup)} == {""}
     assert not any(len(layer.lightgroups) for layer in startup.view_layers)

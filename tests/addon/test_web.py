@@ -126,6 +126,11 @@ def test_a_mix_that_was_copied_is_pasted(here):
             assert (key.illuminant, key.mute) == ("Planckian 2900 K", True)
             assert (fill.illuminant, fill.stops, fill.mute) == ("Sodium (low pressure)", pytest.approx(1.0), False)
             assert scene.relume.white_balance == pytest.approx(0.5)
+            parts = '[["D65",0.25],["A",0.75]]'
+            assert bpy.ops.relume.paste_mix(words=f"--light 'key={parts}*2'") == {"FINISHED"}
+            assert (key.source, key.stops, key.mute) == ("BLEND", pytest.approx(1.0), False)
+            assert [(part.illuminant, part.weight) for part in key.blend] == [("D65", 0.25), ("A", 0.75)]
+            assert bpy.ops.relume.paste_mix(words="--light 'key=Planckian 2900 K*0'") == {"FINISHED"}
             for words in (" ", "hello", "--light 'rim=D65*1'", "--light 'key=D66*1'", "--light 'key", "--help"):
                 with pytest.raises(RuntimeError):
                     bpy.ops.relume.paste_mix(words=words)
@@ -144,6 +149,18 @@ def test_a_mix_that_was_copied_relights(here, capsys):
     np.testing.assert_array_equal(coefficients.read_rgb(here / "mix.exr"), pixels)
     assert commands.execute(["relight", "shot.exr", "--mix", words, "--light", "key=A", "--out", "other.exr"]) == 0
     assert not np.array_equal(coefficients.read_rgb(here / "other.exr"), pixels), "what is said beside it counts"
+    dial = '[["D65", 0.25], ["A", 0.75]]'
+    assert commands.execute(["relight", "shot.exr", "--light", f"key={dial}*2", "--out", "dial.exr"]) == 0
+    rows = [["key=D65*0.5", "fill = 2=FL2*0"], ["key=A*1.5", "fill = 2=FL2*0"], ["fill = 2=FL2*1", "key=A*0"]]
+    for number, row in enumerate(rows):
+        assert commands.execute(["relight", "shot.exr", "--light", *row, "--out", f"part{number}.exr"]) == 0
+    blended = coefficients.read_rgb(here / "dial.exr")
+    parts = sum(coefficients.read_rgb(here / f"part{number}.exr") for number in range(3))
+    # Matrices of three channels are fitted for each illuminant by itself
+    np.testing.assert_allclose(blended, parts, rtol=0.02, atol=0.05)
+    for bad in ("[", "[]", "[1]", '[["D65", 2]]', '[["D65", NaN]]', '[["D65", "x"]]', "[[1, 1]]", "[" * 5000):
+        assert commands.execute(["relight", "shot.exr", "--light", f"key={bad}", "--out", "bad.exr"]) == 1
+        assert "expected a blend" in capsys.readouterr().err
     for words in ("", "hello", "--out x.png", "--light 'key=A", "--help", "--white 2", "--mix '--white 1'"):
         assert commands.execute(["relight", "shot.exr", "--mix", words, "--out", "bad.exr"]) == 2
         assert "argument --mix: " in capsys.readouterr().err

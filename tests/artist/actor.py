@@ -17,7 +17,7 @@ sys.path[:0] = [str(ROOT / "tools"), str(ROOT / "tests" / "addon")]
 import bpy  # noqa: E402
 
 import relume  # noqa: E402
-from relume.addon.scene import follower, setup  # noqa: E402
+from relume.addon.scene import follower, rows, setup  # noqa: E402
 from relume.addon.store import properties  # noqa: E402
 
 from . import compositing, kinds, lighting, scenes, session, shading, staging  # noqa: E402, F401
@@ -124,7 +124,10 @@ def _afresh() -> None:
     """Remove the set-up of every scene, and set them up again with the models that they had."""
     models = {s: (s.relume.model(), s[properties.PLAN].to_dict(), s.render.engine) for s in _set_up()}
     for scene in models:
+        unlit = rows.unlit(scene)
         setup.remove(scene)
+        for name in unlit:  # else the only one may be taken for a group that got another name meanwhile
+            scene.relume.light_groups[name].is_lit = False
     for scene, (model, plan, engine) in models.items():
         setup.set_up(scene, model)
         scene[properties.PLAN] = plan

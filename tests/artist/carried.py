@@ -26,7 +26,9 @@ __all__ = ["carried"]
 
 _OFTEN = {"relume_note_of", "relume_note_off", "relume_wiring", remarks.REMARKS}
 _WRITTEN = {"relume_given", "relume_tint"}  # on inserted nodes
-_HIDDEN = "Subsurface IOR"  # in a material that was copied, Blender notices only later that it is not used
+# Inputs that a setting of their node may put out of use, which Blender notices only later where a material was copied
+_HIDDEN = {"BSDF_PRINCIPLED": {"Subsurface IOR"}}
+_HIDDEN["VOLUME_SCATTER"] = {"Anisotropy", "IOR", "Backscatter", "Alpha", "Diameter"}
 _NOTES = {"stamp_note_text", "use_stamp_note"}
 _INPUT = re.compile(r'(node_tree\.)?nodes\["((?:[^"\\]|\\.)+)"\]\.inputs\[(\d+)\](.*)')
 
@@ -77,7 +79,7 @@ def _shading(tree, owner, groups: dict) -> dict:
     found = {
         node.name: {
             "group": _group(node, groups),
-            **{s.identifier: _input(s, groups, moving) for s in node.inputs if s.enabled and s.name != _HIDDEN},
+            **{s.identifier: _input(s, groups, moving) for s in node.inputs if _is_shown(node, s)},
         }
         for node in tree.nodes
         if not _is_ours(node)
@@ -85,8 +87,9 @@ def _shading(tree, owner, groups: dict) -> dict:
     loose = [n for n in tree.nodes if _is_ours(n) and not any(socket.is_linked for socket in n.outputs)]
     own = {key: _own(owner[key], tree) for key in owner.keys() if key.startswith("relume_")}
     lamp = [list(owner.color), owner.use_temperature, owner.energy] if owner.id_type == "LIGHT" else []
-    if lamp and any(path == "color" or "relume_moved" in owner for path in animation.paths(owner, owner)):
-        lamp[0] = own.get("relume_color", {})["color"] = "animated"
+    if lamp and ("relume_moved" in owner or "color" in animation.paths(owner, owner)):
+        own.get("relume_color", {})["color"] = "animated"
+        lamp[0] = lamp[0] if "relume_moved" in owner else "animated"
     if lamp and "energy" in animation.paths(owner, owner):
         lamp[2] = "animated"
     return {
@@ -96,6 +99,10 @@ def _shading(tree, owner, groups: dict) -> dict:
         "own": own,
         "lamp": lamp,
     }
+
+
+def _is_shown(node, socket) -> bool:
+    return socket.enabled and socket.name not in _HIDDEN.get(node.type, ())
 
 
 def _curves(block, tree) -> list[str]:

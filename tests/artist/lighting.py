@@ -18,7 +18,8 @@ def colour_a_lamp(chance, scene):
     lamp, chosen = pick(chance, lamps(scene)), colour(chance)
     if lamp is None:
         return None
-    inserted, in_nodes = _tints(lamp), chance.random() < 0.7
+    # Blender's own field is white meanwhile: there nobody can choose white
+    inserted, in_nodes = _tints(lamp), chance.random() < 0.7 or chosen == (1.0, 1.0, 1.0)
     if inserted and in_nodes:
         inserted[0].inputs["Tint"].default_value = (*chosen, 1.0)
     else:

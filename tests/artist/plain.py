@@ -17,6 +17,7 @@ _LEFT_OUT = [
     (r"^/libraries/[^/]+/(filepath|name|parent)", "sessions save into folders of their own"),
     (r"^/particles/.*/force_field_\d/seed", "Blender draws it anew for each copy"),
     (r"/point_cache/.*(info|is_outdated)\b", "what Blender has computed of particles in this session"),
+    (r"^/scenes/[^/]+/cycles/custom/[^/:]+: (missing|added)", "whether a default was chosen or is one: values count"),
     (r"^/actions/.*/groups/", "Blender names a group of curves after the node that was keyed"),
 ]
 _WITHOUT = re.compile("|".join(pattern for pattern, _ in _LEFT_OUT))

@@ -192,6 +192,8 @@ def delete_a_view_layer(chance, scene):
 def change_a_render_setting(chance, scene):
     name = chance.choice(sorted(_SETTINGS))
     value = chance.choice(_SETTINGS[name])
+    if name == "seed" and not (scene.relume.split_samples or scene.relume.same_seed):
+        return None  # each pass has a seed of its own by a driver: Blender lets nobody type into it
     setattr(scene.cycles, name, value)
     return f"{name} {value}"
 

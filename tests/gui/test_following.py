@@ -39,10 +39,14 @@ def edited(words):
     bpy.ops.ed.undo_push(message=words)  # as Blender does after every edit of a property
 
 
-def pause():
-    end = time.monotonic() + 20
+def pause(seconds=0):
+    # Some edits Blender tells nobody: they are seen within a second
+    begin = time.monotonic()
+    end = begin + 20
     while True:
         yield
+        if time.monotonic() < begin + seconds:
+            continue
         if not bpy.app.timers.is_registered(FOLLOWER.tick):
             return
         assert time.monotonic() < end, "the follower does not come to an end"
@@ -187,3 +191,106 @@ def steps():
 
 def test_edits_undo_and_redo(window):
     assert len(window(EDITS, "--enable-event-simulate")) == 4
+
+
+ELSEWHERE = (
+    PREPARE
+    + """
+import tempfile
+from pathlib import Path
+
+BACK = (1165, 751)  # Back to Cycles, in the sidebar
+
+
+def open_sidebar():
+    area = area_of("VIEW_3D")
+    area.spaces.active.show_region_ui = True
+    yield
+    next(region for region in area.regions if region.type == "UI").active_panel_category = "Relume"
+    yield
+
+
+def click(x, y):
+    event("MOUSEMOVE", "NOTHING", x, y)
+    yield
+    event("LEFTMOUSE", "PRESS", x, y)
+    event("LEFTMOUSE", "RELEASE", x, y)
+    yield
+
+
+def sources():
+    return sorted({layer["relume_pass"] for layer in passes()}), len(passes())
+
+
+def steps():
+    prepare()
+    yield from open_sidebar()
+    scene = bpy.context.scene
+    scene.world, scene.relume.channels = None, "6"  # the lamp is alone in its light group
+    operate(bpy.ops.relume.set_up)
+    yield from pause()
+    assert len(passes()) == 2
+
+    scene.render.engine = "BLENDER_EEVEE"
+    edited("EEVEE")
+    yield from pause()
+    assert not passes()
+    yield "1_another_engine.png"
+    yield from click(*BACK)
+    yield from pause()
+    assert bpy.context.scene.render.engine == "CYCLES" and len(passes()) == 2
+    yield "2_back.png"
+
+    operate(bpy.ops.scene.view_layer_add, type="NEW")
+    yield from pause(1.5)
+    assert len(passes()) == 4, "the new view layer has passes of its own"
+    yield from undo()
+    assert len(passes()) == 2
+    yield from undo(shift=True)
+    assert len(passes()) == 4
+    yield from undo()
+
+    light = bpy.data.lights["Light"]
+    light.use_temperature, light.temperature = True, 2700.0
+    edited("a black body")
+    yield from pause()
+    assert bpy.context.scene.relume.light_groups[0].illuminant == "Planckian 2700 K"
+    yield "3_black_body.png"
+    yield from undo()
+    assert bpy.context.scene.relume.light_groups[0].illuminant == "D65"
+    yield from undo(shift=True)
+    assert bpy.context.scene.relume.light_groups[0].illuminant == "Planckian 2700 K"
+
+    first = bpy.context.scene.name
+    operate(bpy.ops.scene.new, type="FULL_COPY")
+    yield from pause(1.5)
+    bpy.context.scene.relume.light_groups[0].illuminant = "FL11"
+    edited("another light in the copy")
+    yield from pause()
+    assert bpy.data.scenes[first].relume.light_groups[0].illuminant == "Planckian 2700 K"
+    trees = [next(n for n in s.compositing_node_group.nodes if roles_of(n)).node_tree for s in bpy.data.scenes]
+    assert trees[0] != trees[1], "each scene has its own recombination"
+    yield "4_copied.png"
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = str(Path(folder) / "saved.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        yield from pause()
+        assert bpy.context.scene.relume.light_groups[0].illuminant == "FL11" and bpy.context.scene.relume.problem == ""
+        yield from open_sidebar()
+        yield "5_opened.png"
+        operate(bpy.ops.relume.remove)
+        yield
+        assert not passes()
+        yield "6_removed.png"
+
+
+def roles_of(node):
+    return getattr(node, "node_tree", None) and node.node_tree.get("relume_role") == "recombination"
+"""
+)
+
+
+def test_engines_layers_black_bodies_copies_and_files(window):
+    assert len(window(ELSEWHERE, "--enable-event-simulate")) == 6

@@ -104,7 +104,7 @@ SAVED = {str(tmp_path / "saved.blend")!r}
 """
         + """
 # From the upper right corner of the panel's region, at an interface scale of 1
-LAMP, SOLO, GAIN = (-150, -103), (-77, -83), (-110, -83)
+LAMP, SOLO, GAIN = (-150, -103), (-77, -83), (-140, -83)
 
 
 def at(place):

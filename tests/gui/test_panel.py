@@ -88,6 +88,24 @@ def steps():
 
 
 EVENTS = """
+import sys
+
+OPERATORS = next(module for name, module in sys.modules.items() if name.endswith("relume.addon.ui.operators"))
+
+
+def fill_the_scene(scene):
+    # So many materials that setting up takes a while; returns what has to go for it to be as before
+    made = []
+    for number in range(1500):
+        mesh, material = bpy.data.meshes.new("fill"), bpy.data.materials.new("fill")
+        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (number / 1500, 0.2, 0.1, 1)
+        mesh.materials.append(material)
+        thing = bpy.data.objects.new("fill", mesh)
+        scene.collection.objects.link(thing)
+        made += [thing, mesh, material]
+    return made
+
+
 SET_UP, FIELD = (1156, 590), (1165, 650)  # the button, and then the illuminant of the first light group
 
 
@@ -130,9 +148,20 @@ def steps():
     yield
     choose_tab(area)
     yield
+    fill, layers = fill_the_scene(scene), len(scene.view_layers)
     yield from click(*SET_UP)
-    yield
+    assert OPERATORS.is_at_work(), "a large scene takes a while"
+    yield "0_working.png"
+    yield from press("ESC", *SET_UP)
+    assert not OPERATORS.is_at_work() and not scene.relume.is_set_up and len(scene.view_layers) == layers
+    bpy.data.batch_remove(fill)
+    yield from click(*SET_UP)
+    for _ in range(40):
+        yield
+        if not OPERATORS.is_at_work():
+            break
     assert scene.relume.is_set_up
+    yield
     yield "1_clicked.png"
     yield from click(*FIELD)
     yield "2_search.png"

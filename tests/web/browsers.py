@@ -100,6 +100,11 @@ class Chromium(_Browser):
             {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500},
         )
 
+    def scheme(self, name: str):
+        """Prefer "light" or "dark"."""
+        feature = {"name": "prefers-color-scheme", "value": name}
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+
     def screenshot(self, path: Path):
         self.driver.save_screenshot(str(path))
 
@@ -128,6 +133,8 @@ class Firefox(_Browser):
             "network.connectivity-service.enabled": False,
             "services.settings.server": "data:,",
             "gfx.color_management.mode": 0,
+            # Else a page that is left in the middle of a handler says that its script was terminated
+            "dom.ipc.cancel_content_js_when_navigating": False,
         }
         lines = [
             f"user_pref({str(k)!r}, {str(v).lower() if not isinstance(v, str) else repr(v)});"

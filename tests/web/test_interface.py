@@ -147,6 +147,10 @@ def test_wipe_snapshots_keys_and_the_spectrum(browser, chart, chart_page):
     browser.run("arguments[0].focus()", picture)
     picture.send_keys("2")
     assert browser.run("return now.mix.lights.map((light) => light.solo)") == [False, True, False]
+    for key, exposure in (("]", 0.25), ("[", 0.0)):  # as a German keyboard sends them, with AltGr
+        pressed = f"new KeyboardEvent('keydown', {{ key: '{key}', ctrlKey: true, altKey: true, bubbles: true }})"
+        browser.run(f"arguments[0].dispatchEvent({pressed})", picture)
+        assert browser.run("return now.mix.exposure") == exposure
     picture.send_keys("0" + RIGHT)
     browser.wait("return document.getElementById('reading').textContent.includes('nm')")
     reading = browser.run("return document.getElementById('reading').textContent")
@@ -161,6 +165,7 @@ def test_wipe_snapshots_keys_and_the_spectrum(browser, chart, chart_page):
 
 def test_a_gallery_and_a_sequence(browser, chart_page):
     browser.open(chart_page)
+    browser.element("#keep").click()
     buttons = browser.run("return [...document.querySelectorAll('#gallery button')].map((each) => each.textContent)")
     assert buttons == ["chart", "small"]
     browser.element("#gallery button:nth-child(2)").click()
@@ -171,6 +176,10 @@ def test_a_gallery_and_a_sequence(browser, chart_page):
         "const text = (id) => document.getElementById(id).textContent;"
         "return text('frameNumber') === '6' && !text('status')"
     )
+    assert browser.run("return now.snapshots.length") == 0
+    browser.element("#gallery button:nth-child(1)").click()
+    browser.wait("return document.getElementById('picture').height === 120 && now.frame")
+    assert browser.run("return now.snapshots.length") == 1, "each picture keeps its own"
     assert browser.errors() == []
 
 
@@ -246,12 +255,13 @@ def _axe() -> Path | None:
     return next((Path(root) / "axe.min.js" for root in roots if root and (Path(root) / "axe.min.js").is_file()), None)
 
 
-@pytest.mark.parametrize("language", ["en", "de"])
-def test_axe_finds_nothing_serious(browser, chart_page, language):
+@pytest.mark.parametrize(("language", "scheme"), [("en", "light"), ("de", "dark")])
+def test_axe_finds_nothing_serious(browser, chart_page, language, scheme):
     if _axe() is None:
         pytest.skip("axe-core is not there: npm install -g axe-core")
     if browser.name != "chromium":
         pytest.skip("one browser is enough for what axe looks at")
+    browser.scheme(scheme)
     browser.open(chart_page, "#picture=chart&light=key%3D%5B%5B%22D65%22%2C1%5D%2C%5B%22A%22%2C1%5D%5D*1")
     browser.run(
         "language = arguments[0]; translate(); drawMixer();"
@@ -261,6 +271,7 @@ def test_axe_finds_nothing_serious(browser, chart_page, language):
     browser.run(_axe().read_text(encoding="utf-8"))
     browser.run("axe.run().then((result) => (window.found = result.violations))")
     found = browser.wait("return window.found")
+    browser.scheme("light")
     serious = [
         each["id"] + ": " + each["nodes"][0]["html"] for each in found if each["impact"] in ("serious", "critical")
     ]

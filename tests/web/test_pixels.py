@@ -76,9 +76,10 @@ def test_the_page_shows_what_relight_makes(browser, request, relume, tmp_path, r
     found = compared(
         browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}", 0.5 if scene == "chart" else 0
     )
-    median, most = np.percentile(found, [50, 98])
-    print(browser.name, renderer, scene, f"median {median:.2f}, 98 % {most:.2f}")
-    assert median <= 0.5 and most <= 1.0
+    median, most = np.percentile(found.reshape(len(found), -1), [50, 98], axis=1)  # of each lamp by itself
+    worst = LAMPS[most.argmax()]
+    print(browser.name, renderer, scene, f"median {median.max():.2f}, 98 % {most.max():.2f} under {worst}")
+    assert median.max() <= 0.5 and most.max() <= 1.0, worst
     assert browser.errors() == []
 
 
@@ -116,6 +117,22 @@ def test_the_view_transform_is_blenders(browser, relume, chart, tmp_path, render
     assert median <= 0.5 and most <= 1.0
 
 
+def test_a_gpu_that_was_taken_away_comes_back(browser, chart_page):
+    if not browser.has_webgl():
+        pytest.skip(f"{browser.name} has no WebGL2 here")
+    browser.open(chart_page, "?renderer=gpu#picture=chart")
+    before = browser.pixels()
+    browser.run(
+        "const gl = document.getElementById('picture').getContext('webgl2');"
+        "window.taken = gl.getExtension('WEBGL_lose_context'); taken.loseContext(); now.frame = null"
+    )
+    browser.wait("return document.getElementById('picture').getContext('webgl2').isContextLost()")
+    browser.run("setTimeout(() => taken.restoreContext(), 100)")
+    browser.wait("return now.frame")
+    assert np.array_equal(before, browser.pixels())
+    assert [words for words in browser.errors() if "CONTEXT_LOST" not in words] == []
+
+
 @pytest.mark.parametrize("renderer", ["cpu", "gpu"])
 def test_what_is_transparent_stays_so(browser, chart, tmp_path, renderer):
     if renderer == "gpu" and not browser.has_webgl():
@@ -140,7 +157,9 @@ def test_what_is_transparent_stays_so(browser, chart, tmp_path, renderer):
 
 def test_the_words_that_are_copied_make_the_picture(browser, relume, chart_exr, chart_page, tmp_path):
     browser.open(
-        chart_page, "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&mute=window+%3D+2&white=0.8"
+        chart_page,
+        "#picture=chart&light=key%3DD+9000+K*0.7&light=lamp%27s%3DMercury*3&white=0.8"
+        "&light=window+%3D+2%3D[[%22Sodium+(low+pressure)%22,0.3],[%22A%22,0.7]]*0.5",
     )
     words = shlex.split(browser.run("return document.getElementById('words').value"))
     relume_command("relight", chart_exr, *words, "--out", tmp_path / "copied.png")
