@@ -28,6 +28,7 @@ def _modules():
         preferences,
         spectrum_files,
         transfer_panel,
+        translation,
     )
 
     palettes = (
@@ -40,6 +41,7 @@ def _modules():
         palette_panel,
     )
     return (
+        translation,
         properties,
         preferences,
         icons,

@@ -19,6 +19,7 @@ from ..scene import content, setup
 from ..scene.exr import current_file
 from ..store import mixer, properties
 from . import icons
+from .translation import said
 
 __all__ = ["CLASSES", "draw_dot", "draw_mix", "register", "unregister", "work_out"]
 
@@ -144,7 +145,9 @@ def draw_mix(layout, settings) -> None:
     icon = icons.dot(found.level) if isinstance(found, expectation.Expectation) else 0
     shown = {"icon_value": icon} if icon else {"icon": "RADIOBUT_OFF"}
     figures = isinstance(found, expectation.Expectation)
-    text = f"ΔE {found.median:.2f} expected, 98 %: {found.p98:.2f}" if figures else "Expected error …"
+    text = said("Expected error …")
+    if figures:
+        text = said("ΔE {median:.2f} expected, 98 %: {p98:.2f}", median=found.median, p98=found.p98)
     dot = line.operator("relume.expected", text=text, emboss=False, **shown)
     dot.words = _words(found)
     if figures and found.level == expectation.LEVELS[-1]:

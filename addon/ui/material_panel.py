@@ -14,6 +14,7 @@ from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
 from . import icons, own_spectra
 from .mixer_operators import reporting
+from .translation import said
 
 __all__ = [
     "CLASSES",
@@ -217,7 +218,7 @@ class MaterialPanel(Panel):
                 text=f"{node.label or name}: {places.socket_of(node, identifier).name}" if identifier else name
             )
             row = column.row(align=True)
-            buttons = [row.operator("relume.assign_spectrum", text=chosen or _WORDS[takes], icon="DOWNARROW_HLT")]
+            buttons = [row.operator("relume.assign_spectrum", text=chosen or said(_WORDS[takes]), icon="DOWNARROW_HLT")]
             buttons.append(row.operator("relume.assign_spectrum_file", text="", icon="FILEBROWSER"))
             if chosen:
                 buttons.append(row.operator("relume.clear_spectrum", text="", icon="X"))

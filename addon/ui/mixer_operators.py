@@ -5,16 +5,16 @@ from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 
+import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ...core.errors import RelumeError, SetupError
 from ...core.picture import drawing
 from ...core.spectra import files, library
-from ...core.spectra.names import named
 from ..scene import comparison, compositing, light_groups, setup
 from ..store import mixer, schema
-from . import icons, own_spectra
+from . import icons, own_spectra, translation
 
 __all__ = ["CLASSES", "NeedsSetUp", "reporting"]
 
@@ -47,17 +47,20 @@ def reporting(work: Callable[..., None]) -> Callable[..., set[str]]:
     return execute
 
 
-_ITEMS = []  # Blender keeps no reference to the strings
+_ITEMS, _ITEMS_IN = [], {}  # Blender keeps no reference to the strings; the language that they are in
 
 
 def _illuminants(self=None, context=None):
     """Every named illuminant with its family, icon and number, as a menu wants them."""
-    if not _ITEMS:
+    locale = bpy.app.translations.locale
+    if _ITEMS_IN.get("locale") != locale:
+        _ITEMS_IN["locale"] = locale
+        _ITEMS.clear()
         for family, names in library.illuminants().items():
             for name in names:
                 spectrum = library.illuminant(name)
                 icon = icons.swatch_and_curve(drawing.curve(spectrum).tolist(), drawing.swatch(spectrum).tolist())
-                _ITEMS.append((name, f"{named(name)}  ({family})", family, icon, len(_ITEMS)))
+                _ITEMS.append((name, translation.illuminant(name), family, icon, len(_ITEMS)))
     return [*_ITEMS, *_own_lamps()] if own_spectra.listed(own_spectra.LAMPS) else _ITEMS
 
 

@@ -2,12 +2,13 @@
 
 import textwrap
 
+import bpy
 from bpy.types import Menu, UIList
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
-from ...core.spectra.names import named
 from ..store.mixer import CURVE
 from . import expected, icons
+from .translation import illuminant, said
 
 __all__ = ["CLASSES", "MANY", "draw", "words"]
 
@@ -86,13 +87,24 @@ def _draw_level(line, row) -> None:
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
 
 
+def _shining(row) -> str:
+    """What shines in a row, as people call it."""
+    if row.source == "PLANCKIAN":
+        return said("Black body {kelvin:.0f} K", kelvin=row.temperature)
+    if row.source == "DAYLIGHT":
+        return said("Daylight {kelvin:.0f} K", kelvin=row.cct)
+    if row.source == "BLEND":
+        return said("Blend of {number}", number=len(row.blend))
+    return said(row.label) if row.source == "FILE" else illuminant(row.label)
+
+
 def _draw_illuminant(box, settings, row, index: int, icon: int) -> None:
     # The name of an illuminant can be long: it has the whole width
     line = box.row(align=True)
     expected.draw_dot(line, settings, row)
     chosen = line.operator(
         "relume.choose_illuminant",
-        text=named(row.label),
+        text=_shining(row),
         translate=False,
         **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
     )
@@ -128,7 +140,7 @@ def _draw_details(box, row, index: int, icon: int) -> None:
     elif row.source == "FILE":
         box.prop(row, "path", text="")
         if row.origin:
-            words(box, f"From {row.origin}")
+            words(box, said("From {file}", file=row.origin))
     elif row.source == "BLEND":
         _draw_blend(box, row, index)
     if icon:
@@ -142,7 +154,7 @@ def _draw_details(box, row, index: int, icon: int) -> None:
 def _draw_blend(box, row, index: int) -> None:
     for number, part in enumerate(row.blend):
         line = box.row(align=True)
-        chosen = line.operator("relume.choose_illuminant", text=named(part.illuminant), translate=False)
+        chosen = line.operator("relume.choose_illuminant", text=illuminant(part.illuminant), translate=False)
         chosen.group, chosen.part = index, number
         line.prop(part, "weight", text="", slider=True)
         removed = line.operator("relume.change_blend", text="", icon="REMOVE")
@@ -171,7 +183,7 @@ def _draw_balance(layout, settings) -> None:
     if settings.observer == "FILE":
         body.prop(settings, "observer_path")
         if settings.observer_origin:
-            words(body, f"From {settings.observer_origin}")
+            words(body, said("From {file}", file=settings.observer_origin))
 
 
 def _draw_snapshots(layout, settings) -> None:
@@ -190,7 +202,7 @@ def _draw_snapshots(layout, settings) -> None:
     line.operator("relume.apply_snapshot", text="Apply")
     line.operator("relume.compare", text="Stop" if settings.comparing else "Compare", depress=bool(settings.comparing))
     if settings.comparing:
-        body.label(text=f"Right of the line: {settings.comparing}")
+        body.label(text=said("Right of the line: {snapshot}", snapshot=settings.comparing), translate=False)
         body.prop(settings, "wipe", slider=True)
     body.operator("relume.write_to_lights", icon="LIGHT")
 
@@ -202,19 +214,26 @@ def _draw_output(layout, settings) -> None:
         return
     body.operator("relume.inspect", icon="EYEDROPPER")
     if settings.exr:
-        words(body, f"Lit from {settings.exr}")
+        words(body, said("Lit from {file}", file=settings.exr))
     else:
         body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
     body.operator("relume.share_as_web_page", icon="URL")
 
 
-def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
+def _columns() -> int:
+    """How many letters fit beside each other where a panel is drawn."""
+    region = bpy.context.region
+    width = region.width / bpy.context.preferences.system.ui_scale if region else 260
+    return max(16, int(width / 6.8))
+
+
+def words(layout, text: str, alert: bool = False) -> None:
     """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
     column.alert = alert
-    for line in textwrap.wrap(text, width):
-        column.label(text=line)
+    for line in textwrap.wrap(said(text), _columns()):
+        column.label(text=line, translate=False)
 
 
 class MixMenu(Menu):

@@ -6,6 +6,7 @@ from bpy.types import Panel
 from ..scene import light_groups, render_settings
 from ..store.properties import AUTO, PREFILTERED
 from . import left_out, mixer_panels, preferences, remarks_panel, report_panel
+from .translation import said
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -34,7 +35,7 @@ def _draw_introduction(layout, settings) -> None:
     _draw_choice(layout, settings)
     layout.prop(settings, "grouping")
     if settings.grouping == "LIGHT":
-        mixer_panels.words(layout, f"More than {light_groups.MOST} lights: by collection")
+        mixer_panels.words(layout, said("More than {number} lights: by collection", number=light_groups.MOST))
     row = layout.row()
     row.scale_y = 1.6
     row.operator("relume.set_up", icon="LIGHT_AREA")
@@ -47,8 +48,11 @@ def _draw_mixer(layout, settings) -> None:
         column.label(text="Spectral passes wait for Cycles", icon="PAUSE")
         column.operator("relume.use_cycles", icon="LOOP_BACK")
     else:
-        passes = f"{model.passes} pass{'es' if model.passes > 1 else ''}"
-        layout.label(text=f"F12 renders {passes} ({model.label})", icon="RENDER_STILL")
+        name = said(model.label)
+        text = said("F12 renders 1 pass ({model})", model=name)
+        if model.passes > 1:
+            text = said("F12 renders {passes} passes ({model})", passes=model.passes, model=name)
+        layout.label(text=text, icon="RENDER_STILL", translate=False)
     if plan.get("changed"):
         mixer_panels.words(layout, plan["changed"][:1].upper() + plan["changed"][1:])
     if plan.get("reason"):

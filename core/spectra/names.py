@@ -3,7 +3,7 @@
 What each is: CIE 15:2018, tables 5 to 12; the temperatures there are correlated colour temperatures in kelvin.
 """
 
-__all__ = ["named"]
+__all__ = ["named", "parts"]
 
 _NAMES = {
     "A": "Tungsten bulb",
@@ -65,8 +65,8 @@ _NAMES = {
 }
 # Stored names that are words already, in the order in which people say them
 _WORDS = {
-    "Sodium (low pressure)": "Street lamp, sodium (low pressure)",
-    "Sodium (high pressure)": "Street lamp, sodium (high pressure)",
+    "Sodium (low pressure)": "Street lamp, sodium (LPS)",
+    "Sodium (high pressure)": "Street lamp, sodium (HPS)",
     "Mercury": "Street lamp, mercury",
     "Metal halide": "Hall lamp, metal halide",
 }
@@ -78,8 +78,14 @@ def named(name: str) -> str:
     >>> named("FL2")
     'Office fluorescent, cool white (FL2)'
     >>> named("Sodium (low pressure)")
-    'Street lamp, sodium (low pressure)'
+    'Street lamp, sodium (LPS)'
     >>> named("D 5600 K")
     'D 5600 K'
     """
-    return f"{_NAMES[name]} ({name})" if name in _NAMES else _WORDS.get(name, name)
+    words, code = parts(name)
+    return f"{words} ({code})" if code else words
+
+
+def parts(name: str) -> tuple[str, str]:
+    """What people call the illuminant of that name, and the code that follows it in brackets, "" for none."""
+    return (_NAMES[name], name) if name in _NAMES else (_WORDS.get(name, name), "")
