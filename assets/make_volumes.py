@@ -6,7 +6,7 @@
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06, section 5.1.
 
 The papers' own data, a frog and an engine, are not here: both fields are made of ellipsoids, boxes and noise. Ranges of
-their values have spectra of a palette that the designer solves (`palettes/anatomy.toml`, `palettes/machine.toml`).
+their values have spectra of a palette that the designer solves (`volumes/anatomy.toml`, `volumes/machine.toml`).
 """
 
 import math
@@ -20,11 +20,12 @@ from mathutils import Vector
 
 from ..addon.graph import spectra, transfer
 from ..core import palette
+from ..core.spectra.arrays import Array
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 
-__all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main"]
+__all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main", "reflectances"]
 
-PALETTES = Path(__file__).with_name("palettes")
+PALETTES = Path(__file__).with_name("volumes")
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,11 @@ def lightings(name: str) -> dict[str, tuple[Spectrum, float]]:
         illuminant = Spectrum(WAVELENGTHS, values, title, "illuminant", "designed")
         found[title] = illuminant, float(values @ palette.colours.xyz_weights()[1])
     return found
+
+
+def reflectances(name: str) -> Array:
+    """The designed reflectances of a volume -> (m, 81)."""
+    return _solved(SCENES[name].palette).sampled("reflectance")
 
 
 def build(name: str):

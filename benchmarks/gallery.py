@@ -23,6 +23,7 @@ from ..assets import make_spheres, make_volumes
 from ..core import results
 from ..core.colour import differences, spaces
 from ..core.model import bases
+from ..core.model.relight import power_weights
 from ..core.picture import coefficients
 from ..core.picture.mix import Light
 from ..core.spectra import files, library
@@ -36,7 +37,7 @@ SPHERES = {
     "RGB": bases.rgb,
 }
 LIGHTS = {"D65": "daylight", "A": "tungsten"}
-SEEN = 0.05  # of white: where a volume is thinner than that nothing is compared
+SEEN = 0.05  # of the brightest under flat light: where a volume is thinner nothing is compared
 
 
 @dataclass
@@ -89,6 +90,19 @@ def _statistics(values: np.ndarray) -> list[str]:
     return [f"{np.median(values):.2f}", f"{np.percentile(values, 98):.2f}"]
 
 
+def _unmixed(image, reflectances: np.ndarray) -> tuple[np.ndarray, float]:
+    """The spectrum of every pixel (height, width, 81), where each is a mixture of `reflectances` (m, 81); and how far
+    from one its coefficients are at most.
+
+    So it is where volumes shine and take in all wavelengths alike: nothing is multiplied, and the weights of the
+    mixture can be had from the coefficients. That is exact, without a second render.
+    """
+    (values,) = image.groups.values()
+    known = image.model.coefficients(reflectances)
+    weights = values @ np.linalg.pinv(known)
+    return weights @ reflectances, float(np.abs(weights @ known - values).max())
+
+
 def spheres(out: Path, samples: int, _: Path | None) -> list[Entry]:
     """[DF] Fig. 5."""
     bpy.ops.wm.open_mainfile(filepath=str(make_spheres.PATH), load_ui=False)
@@ -128,13 +142,13 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
         scene.cycles.samples = max(samples // 8, 1)  # nothing scatters: they smooth edges
         render_settings.compare(scene)
         image = _rendered(scene, bases.fitted(9), f"{name}, 9 channels")
-        truth = _rendered(scene, bases.bands(36), f"{name}, 36 bands")
+        full, apart_from_mixture = _unmixed(image, make_volumes.reflectances(name))
         group = next(iter(image.groups))
         exr, lamps = out / f"{name}.exr", out / f"{name}_lights.csv"
         coefficients.write(
             exr, image, render.picture(image, dict.fromkeys(image.groups, Light(library.illuminant("D65"))))
         )
-        lightings = make_volumes.lightings(name)
+        lightings, bright = make_volumes.lightings(name), full.mean(axis=-1)
         files.write(lamps, [illuminant for illuminant, _ in lightings.values()])
         pictures, rows = [], []
         for title, (illuminant, gain) in lightings.items():
@@ -143,16 +157,18 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
             if commands.execute(["relight", str(exr), "--light", light, "--white", "none", "--out", str(made)]):
                 raise SystemExit(f"{made} was not made")
             pictures.append((title, coefficients.read_rgb(made)))
-            white = truth.model.relight(illuminant).sum(axis=1)
-            true, found = _xyz(truth, illuminant, gain), _xyz(image, illuminant, gain)
-            seen = truth.alpha > SEEN
+            weights = power_weights(illuminant.sampled(), library.observer())
+            white = weights.sum(axis=0)
+            true, found = gain * full @ weights, _xyz(image, illuminant, gain)
+            seen = bright > SEEN * bright.max()
             apart = differences.delta_E_2000(true[seen], found[seen], white)
             rows.append([title, f"{gain:.2f}", *_statistics(apart)])
         figures.picture_row(out / f"{name}.png", pictures)
         words = (
             "A field made of simple shapes in place of the paper's data, its ranges of values with spectra of a "
-            f"designed palette (assets/palettes/{name}.toml), rendered once with 9 channels; every lighting by "
-            "`relume relight`. CIEDE2000 to 36 bands, where the volume is."
+            f"designed palette (assets/volumes/{name}.toml), rendered once with 9 channels; every lighting by `relume "
+            "relight`. CIEDE2000 to full spectra, where the volume is: it shines and takes in all wavelengths alike: "
+            f"a pixel is a mixture of its spectra (to {apart_from_mixture:.0e}), which tells its own."
         )
         head = ["lighting", "luminance", "median", "98th percentile"]
         entries.append(Entry(name.capitalize(), paper, f"{name}.png", words, head, rows))

@@ -24,7 +24,7 @@ from ...core.picture.mix import GAINS, Light
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
-from ..scene import content, describe, render, setup
+from ..scene import describe, render, setup
 from ..store import mix_file, mixes
 from . import arguments, expected
 
@@ -135,7 +135,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         rendered = render.render(scene, exr.parent, progress, denoising.guides_of(scene) if denoises else None)
     finally:
         progress.done()
-    image = replace(rendered.image, shows=content.content_of(scene))
+    image = replace(rendered.image, shows=expected.seen(scene))
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
     mixes = dict.fromkeys(names, lights)
     if plain:

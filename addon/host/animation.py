@@ -163,7 +163,7 @@ def _users() -> Counter:
 
 def _users_of(animated: Collection) -> Counter:
     found = Counter()
-    for block in animated:
+    for block in (block for block in animated if block.users):  # what nothing uses is gone once the file is saved
         tree = getattr(block, "node_tree", None)
         for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
             found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})

@@ -64,10 +64,17 @@ def work_out(scene) -> None:
             _found[key] = str(error)
         return
     for row in settings.lit:
-        key = _of_row(settings, row)
+        key, light = _of_row(settings, row), mix.lights[row.name]
         if key not in _found:
-            _found[key] = expectation.expected_of(model, shows, mix.lights[row.name], mix.observer)
-    _found[_of_mix(settings)] = expectation.expected(model, shows, mix)
+            _found[key] = _or_why(expectation.expected_of, model, shows, light, mix.observer)
+    _found[_of_mix(settings)] = _or_why(expectation.expected, model, shows, mix)
+
+
+def _or_why(expected, *arguments) -> expectation.Expectation | str:
+    try:
+        return expected(*arguments)
+    except RelumeError as error:
+        return str(error)
 
 
 def _content(scene) -> Content | None:

@@ -101,7 +101,7 @@ class TransferPanel(Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context) -> None:
-        layout, functions = self.layout, transfer.of(context.material)
+        layout, functions = self.layout, transfer.of(active_material(context))
         for tree in functions:
             layout.label(text=tree.name, icon="VOLUME_DATA")
             for one in reversed(transfer.ranges_of(tree)):

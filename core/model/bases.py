@@ -148,7 +148,7 @@ def scene(
     are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
     further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
     other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. rule: `Direct` where light
-    is reflected once or twice. Raises ModelError.
+    is reflected once. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:

@@ -33,7 +33,7 @@ BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
 # From 18 channels on ordinary surfaces and lights leave nothing to gain: gels, saturated paints and LEDs count as well
 FOR_EXTREMES = 18
-EXTREMES = 0.3  # how much they count, of surfaces and of lights, where all others count 1
+EXTREMES = 0.3
 # Starts, how many of them are finished, iterations of each and of a finish; the more channels, the less they differ
 EFFORT = (24, 5, 250, 2500)
 EFFORTS = {18: (8, 2, 250, 2500), 21: (8, 2, 83, 833), 24: (8, 2, 83, 833)}
@@ -185,20 +185,24 @@ def _minimised(error: Callable[..., tuple], start: list[Array], iterations: int)
     return split(result.x), float(result.fun)
 
 
-def general_task(channels: int) -> Task:
+def general_task(channels: int, weight: float | None = None) -> Task:
     """What the shipped filters are made for: the general training set under the CIE illuminants, and where there are
-    channels enough gels, saturated paints and LEDs."""
+    channels enough gels, saturated paints and LEDs.
+
+    weight: how much these count, of surfaces and of lights, where all others count 1.
+    """
+    weight = (EXTREMES if channels >= FOR_EXTREMES else 0.0) if weight is None else weight
     bounces = BOUNCES if channels > 6 else BOUNCES_OF_FEW
     names = [name for family in library.cie_illuminants().values() for name in family]
     spectra = training.reflectances()
     illuminants = np.stack([library.illuminant(name).sampled() for name in names])
-    if channels < FOR_EXTREMES:
+    if weight == 0.0:
         return Task.of(spectra, training.products(spectra, bounces, most=500), illuminants)
     kinds = extremes.lights()
     shares = [np.full(len(illuminants), 1 / len(illuminants))]
-    shares += [np.full(len(kind), EXTREMES / len(kinds) / len(kind)) for kind in kinds]
-    counted = np.concatenate(shares) / (1 + EXTREMES)
-    return Task.of(*training.with_extremes(bounces, EXTREMES), np.concatenate([illuminants, *kinds]), counted)
+    shares += [np.full(len(kind), weight / len(kinds) / len(kind)) for kind in kinds]
+    counted = np.concatenate(shares) / (1 + weight)
+    return Task.of(*training.with_extremes(bounces, weight), np.concatenate([illuminants, *kinds]), counted)
 
 
 def make_filters(channels: int, task: Task) -> tuple[Array, float]:
@@ -240,18 +244,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--channels", type=int, nargs="+", default=CHANNELS, metavar="P")
     parser.add_argument("--out", type=Path, default=filter_files.SHIPPED)
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes at a time")
+    words = "how much gels, paints and LEDs count; default: 0, and 0.3 from 18 channels on"
+    parser.add_argument("--extremes", type=float, metavar="WEIGHT", help=words)
     options = parser.parse_args(argv)
     filters = {}
     with ProcessPoolExecutor(options.jobs) as pool:
-        for channels, made in zip(options.channels, pool.map(_made, options.channels), strict=True):
+        made_one = partial(_made, weight=options.extremes)
+        for channels, made in zip(options.channels, pool.map(made_one, options.channels), strict=True):
             filters[channels] = made
             filter_files.write_filters(options.out, dict(sorted(filters.items())))
     return 0
 
 
-def _made(channels: int) -> Array:
+def _made(channels: int, weight: float | None = None) -> Array:
     with one_thread():
-        filters, error = make_filters(channels, general_task(channels))
+        filters, error = make_filters(channels, general_task(channels, weight))
     print(f"p = {channels}: mean squared error {error:.6f}", flush=True)
     return filters
 

@@ -93,7 +93,7 @@ class Fitted(Rule):
 
 @dataclass(frozen=True, eq=False)
 class Direct(Fitted):
-    """The same for a scene in which light is reflected once or twice."""
+    """The same for a scene in which light is reflected once, and seldom more."""
 
     kind = "direct"
     bounces = (1.0, 0.3, 0.1)

@@ -14,6 +14,7 @@ from ..spectra.spectrum import Spectrum
 __all__ = ["Content", "general", "kept"]
 
 MOST = 60  # surfaces that a file keeps
+_BRIGHTEST = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +71,14 @@ def general(lights: Sequence[Spectrum]) -> Content:
 
 
 def kept(content: Content) -> Content:
-    """What a file keeps of it: the surfaces that are seen most, `MOST` of them, and what shines now."""
-    if len(content.parts) <= MOST:
-        return replace(content, choices=())
-    chosen = np.sort(np.argsort(-content.parts, kind="stable")[:MOST])
+    """What a file keeps of it: the surfaces that are seen most, `MOST` of them, and what shines now.
+
+    Colours that are no finite numbers, or beyond any surface's, are left out.
+    """
     measured = len(content.reflectances)
+    usable = np.append(np.ones(measured, bool), (np.abs(content.rgb) <= _BRIGHTEST).all(axis=1))  # nan is not
+    order = [n for n in np.argsort(-content.parts, kind="stable") if usable[n]]
+    chosen = np.sort(np.array(order[:MOST], dtype=int))
     return replace(
         content,
         reflectances=[content.reflectances[n] for n in chosen if n < measured],

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..errors import MeasureError
 from ..model import bases
 from ..model.factor_model import FactorModel
 from ..spectra import library
@@ -52,7 +53,8 @@ def level(p98: float) -> str:
 def expected(model: FactorModel, content: Content | None, mix: Mix) -> Expectation:
     """What is expected of a whole mix. content: what the scene shows; None where that is not known.
 
-    Groups that are off do not count; where all are, nothing is expected to differ. Raises SpectrumError, LibraryError.
+    Groups that are off do not count; where all are, nothing is expected to differ. Raises SpectrumError, LibraryError,
+    MeasureError.
     """
     lights = [light for light in mix.lights.values() if light.gain > 0]
     if not lights:
@@ -135,5 +137,9 @@ def _seen(
 
 
 def _summary(found: Array, true: Array, white: Array) -> Expectation:
-    median, p98 = np.percentile(difference(found, true, white), (50, 98))
+    """Raises MeasureError where there is nothing to be seen, or more than numbers can say."""
+    with np.errstate(all="ignore"):
+        median, p98 = np.percentile(difference(found, true, white), (50, 98))
+    if not np.isfinite(p98):
+        raise MeasureError("what the picture is expected to be is no finite number")
     return Expectation(float(median), float(p98))

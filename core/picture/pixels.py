@@ -5,8 +5,6 @@ truth is integrated from spectra as they were measured, at 1 nm where any is fin
 spectra that the reference gives them.
 """
 
-from functools import lru_cache
-
 import numpy as np
 
 from ..colour import differences
@@ -35,6 +33,7 @@ class Pixels:
     def __init__(self, content: Content, count: int = PIXELS):
         random = np.random.default_rng(SEED)
         self.content, self.count = content, count
+        self._kept: dict[int, Array] = {}  # spectra on the grids that were asked for
         shares = np.append(content.parts, content.textures)
         shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(shares) - 1), 1.0)
         orders = 1 + min(content.bounces, ORDERS)
@@ -69,13 +68,14 @@ class Pixels:
     def _needs_fine(self, light: Spectrum) -> bool:
         return any(integration.is_finer(spectrum) for spectrum in [light, *self.content.reflectances])
 
-    @lru_cache(maxsize=2)  # noqa: B019  (as long as the pixels themselves are kept)
     def _spectra(self, count: int) -> Array:
         """(pixels, count): what reaches the camera under light of 1 at every wavelength, at 5 or at 1 nm."""
-        grid = integration.FINE if count == integration.FINE.size else WAVELENGTHS
-        measured = [spectrum.sampled(grid) for spectrum in self.content.reflectances]
-        colours = resampled(rgb_spectra(self.content.space).T, grid).T
-        return self._gathered(np.array(measured).reshape(-1, grid.size), colours)
+        if count not in self._kept:
+            grid = integration.FINE if count == integration.FINE.size else WAVELENGTHS
+            measured = [spectrum.sampled(grid) for spectrum in self.content.reflectances]
+            colours = resampled(rgb_spectra(self.content.space).T, grid).T
+            self._kept[count] = self._gathered(np.array(measured).reshape(-1, grid.size), colours)
+        return self._kept[count]
 
     def _gathered(self, measured: Array, of_colours: Array) -> Array:
         """The sum over the orders of products of surfaces: those measured (m, n), and of RGB by (n, 3)."""

@@ -29,7 +29,6 @@ SCENE = 12  # channels of a model whose filters are made for a scene, where gene
 WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
 SURE = 0.9  # times the tolerance
 MOST_SURFACES, MOST_LIGHTS = 60, 8
-FEW_BOUNCES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +210,7 @@ def fitted_to(content: Content, channels: int) -> FactorModel:
 
 
 def _rule(content: Content) -> type[Fitted]:
-    return Direct if content.bounces < FEW_BOUNCES else Fitted
+    return Fitted if content.bounces else Direct
 
 
 def _difference(model: FactorModel, pixels: Pixels, found: Array, lights: Sequence[Spectrum], mixture: Array) -> float:

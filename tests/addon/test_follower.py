@@ -417,15 +417,3 @@ def test_animation_moves_with_the_node_that_comes_anew(startup):
     follower.settle(startup)
     (light,) = [node for node in tree.nodes if nodes.role(node) == "light"]
     assert {path for path, _ in keys(tree)} == {light.inputs[0].path_from_id("default_value")}
-
-
-def test_a_row_without_lamps_does_not_become_everything_else(ready):
-    bpy.data.objects["Light"].lightgroup = "key"
-    ready.view_layers[0].lightgroups.add(name="key")
-    follower.settle(ready)
-    ready.relume.light_groups["key"].illuminant = "A"
-    setup.remove(ready)
-    bpy.data.objects["Light"].lightgroup = ""
-    setup.set_up(ready, bases.fitted(3))
-    rows = {row.name: (row.illuminant, row.is_lit) for row in ready.relume.light_groups}
-    assert rows == {"Everything else": ("D65", True), "key": ("A", False)}

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from relume.core.colour import differences
+from relume.core.errors import MeasureError
 from relume.core.model import bases, integration
 from relume.core.picture import expectation, header
 from relume.core.picture.coefficient_image import CoefficientImage
@@ -64,6 +65,12 @@ def test_a_gel_the_reference_and_the_exact_model():
     assert "channels" in expectation.advice(bases.fitted(6), shown, mix)
 
 
+def test_what_is_black_is_told():
+    black = Content(colours=[[0.0, 0.0, 0.0]], lights=[library.illuminant("A")])
+    with pytest.raises(MeasureError, match="black"):
+        expectation.expected(bases.fitted(6), black, Mix({"a": light("A")}))
+
+
 def test_advice_is_for_what_is_not_green_and_names_what_it_would_reach(chart):
     model = bases.fitted(3)
     assert expectation.advice(bases.fitted(15), chart, Mix({"a": light("D65")})) == ""
@@ -96,6 +103,11 @@ def test_a_file_keeps_the_surfaces_that_are_seen_most():
     assert len(less.reflectances) == 0
     assert len(less.rgb) == len(less.parts) == MOST
     assert less.parts.min() == 2 * MOST + 24
+    odd = [[0.5, 0.5, 0.5], [np.nan, 0, 0], [np.inf, 1, 1], [1e9, 0, 0]]
+    shown = kept(Content(PATCHES, odd, np.arange(28), lights=[library.illuminant("A")]))
+    assert len(shown.reflectances) == 24
+    assert shown.rgb.tolist() == [[0.5, 0.5, 0.5]]
+    assert shown.parts.tolist() == list(range(25))
 
 
 @pytest.mark.parametrize("wrong", [{"shares": [1.0]}, {"space": "Rec. 1"}, {"bounces": -1}, {"colours": [[1, 2]]}])
