@@ -80,7 +80,7 @@ def _sounds(settings, row) -> bool:
 def _draw_level(line, row, unit: str = "EV") -> None:
     """The gain of a group with its unit, solo and mute."""
     gain = line.row(align=True)
-    gain.ui_units_x = 8.0
+    gain.ui_units_x = 7.2
     gain.prop(row, "stops", text="")
     if unit:
         label = line.row(align=True)

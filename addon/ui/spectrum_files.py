@@ -113,8 +113,7 @@ class ImportSpectrum(_Of, Operator):
             self.material = material.name
             return MATERIAL
         if lamp is not None:
-            row = row_of(context.scene, lamp)
-            self.group = row.name if row else ""
+            self.group = lamp.lightgroup or EVERYTHING_ELSE
             return LIGHT
         if self.filepath and context.area is not None and context.area.type == "IMAGE_EDITOR":
             try:
