@@ -43,7 +43,7 @@ def draw(layout, settings) -> None:
 def _draw_list(layout, settings) -> None:
     """Many groups: a list that scrolls, and below it the group that is chosen there."""
     layout.template_list(
-        "RELUME_UL_light_groups", "", settings, "light_groups", settings, "active_light_group", rows=8, maxrows=16
+        "RELUME_UL_light_groups", "", settings, "light_groups", settings, "active_light_group", rows=6, maxrows=10
     )
     index = settings.active_light_group
     if 0 <= index < len(settings.light_groups):
@@ -51,7 +51,9 @@ def _draw_list(layout, settings) -> None:
         box = layout.box().column(align=True)
         box.use_property_split = False
         icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
-        box.label(text=row.name, translate=False)
+        line = box.row(align=True)
+        line.label(text=row.name, translate=False)
+        _draw_level(line, row)
         _draw_illuminant(box, settings, row, index, icon)
         _draw_details(box, row, index, icon)
 
@@ -63,26 +65,27 @@ class LightGroupList(UIList):
         icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
         line = layout.row(align=True)
         line.active = _sounds(settings, row)
-        line.label(text="", **({"icon_value": icon} if icon else {"icon": "LIGHT"}))
+        shown = {"icon_value": icon} if icon else {"icon": "LIGHT"}
         if row.name == EVERYTHING_ELSE:
-            line.label(text=row.name)
+            line.label(text=row.name, **shown)
         else:
-            line.prop(row, "name", text="", emboss=False)
-        _draw_level(line, row)
+            line.prop(row, "name", text="", emboss=False, **shown)
+        _draw_level(line, row, unit="")
 
 
 def _sounds(settings, row) -> bool:
     return row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
 
 
-def _draw_level(line, row) -> None:
-    """The gain of a group, solo and mute."""
+def _draw_level(line, row, unit: str = "EV") -> None:
+    """The gain of a group with its unit, solo and mute."""
     gain = line.row(align=True)
-    gain.ui_units_x = 3.8
+    gain.ui_units_x = 8.0
     gain.prop(row, "stops", text="")
-    unit = line.row(align=True)
-    unit.ui_units_x = 1.1
-    unit.label(text="EV")
+    if unit:
+        label = line.row(align=True)
+        label.ui_units_x = 1.3
+        label.label(text=unit)
     line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
 

@@ -15,7 +15,8 @@ class _Relume:
     bl_label = "Relume"
 
     def draw_header_preset(self, context) -> None:
-        preferences.PresetsPanel.draw_panel_header(self.layout)
+        self.layout.emboss = "NONE"
+        self.layout.popover(panel=preferences.PresetsPanel.bl_idname, icon="PRESET", text="")
 
     def draw(self, context) -> None:
         layout = self.layout

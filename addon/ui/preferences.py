@@ -1,6 +1,7 @@
 """Relume in Blender's preferences, and presets of set-ups."""
 
 import logging
+from pathlib import Path
 
 import bpy
 from bl_operators.presets import AddPresetBase
@@ -14,6 +15,7 @@ from ..store import preferred, properties
 __all__ = ["CLASSES", "register", "unregister"]
 
 _FOLDER = "relume/set_up"  # of Blender's presets
+_SHIPPED = str(Path(__file__).parent)  # has them in `presets`
 _LEVELS = [
     ("WARNING", "Problems", "What went wrong"),
     ("INFO", "Changes", "Also what Relume changed in a scene that is set up"),
@@ -67,7 +69,8 @@ class RelumePreferences(AddonPreferences):
         row = layout.row()
         row.active = self.channels == properties.AUTO
         row.prop(self, "tolerance")
-        column = layout.column(heading="Library Folders")
+        column = layout.column()
+        column.label(text="Library Folders")
         column.prop(self, "lamp_folder")
         column.prop(self, "paint_folder")
         layout.prop(self, "log_level")
@@ -108,11 +111,13 @@ CLASSES = (RelumePreferences, PresetsMenu, AddPreset, PresetsPanel)
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.utils.register_preset_path(_SHIPPED)
     own = preferred.of()
     if own is not None:
         _log(own, bpy.context)
 
 
 def unregister() -> None:
+    bpy.utils.unregister_preset_path(_SHIPPED)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -87,6 +87,7 @@ class StopReport(Operator):
 
 class _Report:
     bl_label = "Report"
+    bl_translation_context = "Relume"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 101
 

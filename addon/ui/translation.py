@@ -13,7 +13,7 @@ from ...core.spectra import names
 __all__ = ["LANGUAGES", "illuminant", "register", "said", "unregister"]
 
 LANGUAGES = {"de": ("de_DE", "de")}  # what Blender calls each
-_CONTEXTS = ("*", "Operator")
+_CONTEXTS = ("*", "Operator", "Relume")  # the last: what Blender says otherwise elsewhere
 _FILES = Path(__file__).parent
 
 

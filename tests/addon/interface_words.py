@@ -30,7 +30,7 @@ def found(tips: bool = True) -> dict[tuple[str, str], str]:
     for name in (*names._NAMES, *names._WORDS):
         strings.setdefault((ANY, names.parts(name)[0]), "core/spectra/names.py")
     models = [properties.model_for(name).label for name, *_ in properties.CHANNELS if name.isdecimal()]
-    for text in (*material_panel._WORDS.values(), "No file yet", *models, *_MODELS):
+    for text in (*material_panel._WORDS.values(), "No file yet", "EV", *models, *_MODELS):
         strings.setdefault((ANY, text), "made by the code")
     return {key: where for key, where in strings.items() if any(letter.isalpha() for letter in key[1])}
 

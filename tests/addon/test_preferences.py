@@ -2,13 +2,14 @@
 
 import time
 import types
+from pathlib import Path
 
 import bpy
 import pytest
 
 from relume.addon.store import preferred
 from relume.addon.ui import own_spectra
-from relume.addon.ui.preferences import RelumePreferences
+from relume.addon.ui.preferences import PresetsMenu, RelumePreferences
 
 
 @pytest.fixture
@@ -76,7 +77,13 @@ def test_folders_of_the_user_stand_in_the_searches(startup, prefers, tmp_path):
     assert own_spectra.listed(own_spectra.LAMPS) == []
 
 
-def test_a_set_up_is_kept_as_a_preset(startup, tmp_path, monkeypatch):
+@pytest.fixture
+def titled(monkeypatch):
+    """Blender gives the menu the name of the preset that was chosen."""
+    monkeypatch.setattr(PresetsMenu, "bl_label", PresetsMenu.bl_label)
+
+
+def test_a_set_up_is_kept_as_a_preset(startup, tmp_path, monkeypatch, titled):
     monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: _folder(tmp_path / path))
     settings = startup.relume
     settings.channels, settings.tolerance, settings.grouping = "6", 0.25, "COLLECTION"
@@ -85,6 +92,17 @@ def test_a_set_up_is_kept_as_a_preset(startup, tmp_path, monkeypatch):
     settings.channels, settings.tolerance, settings.grouping = "auto", 2.0, "KEEP"
     bpy.ops.script.execute_preset(filepath=str(kept), menu_idname="RELUME_MT_presets")
     assert (settings.channels, settings.tolerance, settings.grouping) == ("6", 0.25, "COLLECTION")
+
+
+def test_presets_that_ship_can_be_applied(startup, titled):
+    shipped = [Path(path) for path in bpy.utils.preset_paths("relume/set_up")]
+    presets = sorted(path for folder in shipped for path in folder.glob("*.py"))
+    assert [path.stem for path in presets] == ["measurement", "quick_look", "still_picture"]
+    channels = []
+    for path in presets:
+        assert bpy.ops.script.execute_preset(filepath=str(path), menu_idname="RELUME_MT_presets") == {"FINISHED"}
+        channels.append(startup.relume.channels)
+    assert channels == ["24", "3", "auto"]
 
 
 def _folder(path):
