@@ -12,6 +12,7 @@ def _modules():
     from .cli import commands
     from .store import palette, properties
     from .ui import (
+        assets,
         icons,
         light_panel,
         material_panel,
@@ -34,7 +35,7 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, operators, panels, *palettes, material_panel, light_panel, handlers, commands
+    return properties, icons, operators, panels, *palettes, material_panel, light_panel, assets, handlers, commands
 
 
 def register() -> None:

@@ -9,6 +9,7 @@ from ...core.picture import plan
 from ...core.spectra import library
 from ...core.spectra.spectrum import SpectrumError
 from ..graph import glass, lights, sockets
+from ..graph.lamps import named_in
 from ..graph.sources import is_grey, sources_of
 from ..host import inventory
 
@@ -88,12 +89,12 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
 
 def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
     """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
-    found = {}
+    found, named = {}, named_in(scene, temperatures)
     for group in groups:
         row = scene.relume.light_groups.get(group)
         try:
             if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
-                spectrum = library.illuminant(lights.first_illuminant(temperatures, group))
+                spectrum = library.illuminant(named.get(group) or lights.first_illuminant(temperatures, group))
             else:
                 spectrum = row.spectrum()
         except (library.LibraryError, SpectrumError):
