@@ -8,7 +8,7 @@ import numpy as np
 
 from ..addon.graph import glass, spectra
 from ..core import palette
-from ..core.colour import spaces
+from ..core.colour import differences, spaces
 from ..core.spectra import library
 from ..core.spectra.spectrum import Spectrum
 
@@ -118,10 +118,8 @@ def _chart() -> list[Asset]:
 
 def colour_words(spectrum: Spectrum) -> tuple[str, str]:
     """(family, name) of what a reflectance looks like in D65, by CIELAB: ("Red", "Deep red")."""
-    rgb = spaces.daylight_rgb(spectrum)
-    xyz = spaces.rgb_to_xyz() @ rgb / spaces.D65_WHITE
-    f = np.where(xyz > (6 / 29) ** 3, np.cbrt(np.maximum(xyz, 1e-9)), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
-    lightness, a, b = 116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])
+    xyz = spaces.rgb_to_xyz() @ spaces.daylight_rgb(spectrum)
+    lightness, a, b = differences.lab(xyz, spaces.D65_WHITE)
     chroma, hue = np.hypot(a, b), np.degrees(np.arctan2(b, a)) % 360
     if chroma < 9:
         tone = "White" if lightness > 88 else "Light" if lightness > 65 else "Mid" if lightness > 35 else "Dark"

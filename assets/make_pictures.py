@@ -21,12 +21,14 @@ from ..core.picture.mix import Light
 from ..core.spectra import library
 from ..core.web import page
 from ..studies import figures
+from . import library as library_assets
 from . import make_room, prism, spheres, still_life
 
 __all__ = ["main"]
 
 _SAMPLES = 900  # in all passes together
 _GAP = 8  # pixels between pictures
+_ASSET = 72  # pixels of a preview
 _PAGE_SIZE = 1200
 _LIGHTS = {
     "daylight (D65)": ("D65", "D65"),
@@ -136,6 +138,23 @@ def _still_life_page(path: Path):
     page.write(path, [picture], title="A still life", size=_PAGE_SIZE, quality=1.5, show=shown)
 
 
+def _assets(path: Path):
+    """The previews of the asset library, in the order of its catalogues."""
+    order = {asset.thing.name: k for k, asset in enumerate(library_assets.build())}
+    with bpy.data.libraries.load(str(library_assets.PATH), link=True, assets_only=True) as (there, wanted):
+        for kind in (kinds := ("materials", "objects", "collections", "node_groups")):
+            setattr(wanted, kind, getattr(there, kind))
+    things = sorted((thing for kind in kinds for thing in getattr(wanted, kind)), key=lambda t: order[t.name])
+    size, columns = _ASSET, 17
+    sheet = Image.new("RGB", (columns * size, -(-len(things) // columns) * size), "#303030")
+    for number, thing in enumerate(things):
+        preview = thing.preview
+        pixels = np.array(preview.image_pixels_float).reshape(*preview.image_size[::-1], 4)[::-1]
+        cell = Image.fromarray((np.clip(pixels, 0, 1) * 255 + 0.5).astype(np.uint8)).resize((size, size))
+        sheet.paste(cell, (number % columns * size, number // columns * size), cell)
+    sheet.save(path, quality=88)
+
+
 def _rendered(scene):
     with tempfile.TemporaryDirectory() as temporary:
         return render.render(scene, Path(temporary), Progress(scene.relume.model().passes)).image
@@ -147,6 +166,7 @@ _MADE = {
     "room.html": _room_page,
     "spheres.html": _spheres_page,
     "palette.html": _palette_page,
+    "assets.jpg": _assets,
     "still_life.jpg": _still_life,
     "still_life.html": _still_life_page,
 }
