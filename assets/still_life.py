@@ -31,7 +31,7 @@ def _mix(**lights: tuple[str, float]) -> dict[str, Light]:
 
 LIGHTS = {
     "a north window, and a candle": lambda: _mix(window=("D65", 0.8), candle=("Planckian 1900 K", 1.0)),
-    "the candle, and dusk": lambda: _mix(window=("D 12000 K", 0.06), candle=("Planckian 1900 K", 2.0)),
+    "the candle, and dusk": lambda: _mix(window=("D 12000 K", 0.09), candle=("Planckian 1900 K", 3.2)),
     "a fluorescent tube": lambda: _mix(tube=("FL2", 1.0), candle=("Planckian 1900 K", 0.3)),
     "a sodium street lamp outside": lambda: _mix(window=("Sodium (low pressure)", 0.9), bulb=("LED-B1", 0.05)),
 }
