@@ -12,6 +12,7 @@ def _modules():
     from .cli import commands
     from .store import palette, properties
     from .ui import (
+        assets,
         expected,
         icons,
         light_panel,
@@ -54,6 +55,7 @@ def _modules():
         light_panel,
         spectrum_files,
         menus,
+        assets,
         handlers,
         commands,
     )

@@ -2,9 +2,12 @@
 
 import sys
 import tempfile
+from functools import cache
 from pathlib import Path
 
 import bpy
+import numpy as np
+from PIL import Image
 
 from ..addon.cli.web import shown
 from ..addon.graph import glass
@@ -18,11 +21,15 @@ from ..core.picture.mix import Light
 from ..core.spectra import library
 from ..core.web import page
 from ..studies import figures
-from . import make_room, prism, spheres
+from . import library as library_assets
+from . import make_room, prism, spheres, still_life
 
 __all__ = ["main"]
 
 _SAMPLES = 900  # in all passes together
+_GAP = 8  # pixels between pictures
+_ASSET = 72  # pixels of a preview
+_PAGE_SIZE = 1200
 _LIGHTS = {
     "daylight (D65)": ("D65", "D65"),
     "tungsten left, fluorescent right": ("A", "FL2"),
@@ -99,6 +106,55 @@ def _page(scene, path: Path, title: str, samples: int = _SAMPLES // 2):
     page.write(path, [page.Picture(path.stem, {1: lambda: image})], title=title, show=shown)
 
 
+@cache
+def _still_life_image():
+    """The still life as coefficients, denoised."""
+    scene = still_life.build()
+    setup.set_up(scene, bases.fitted(9))
+    guides = denoising.guides_of(scene)
+    with tempfile.TemporaryDirectory() as temporary:
+        rendered = render.render(scene, Path(temporary), Progress(scene.relume.model().passes), guides)
+    return denoising.denoised_image(rendered.image, rendered.guides, denoising.prefilter_of(scene))
+
+
+def _still_life(path: Path):
+    """The still life large in the first of its lights, and below it in the others."""
+    image = _still_life_image()
+    mixes = {title: mix() for title, mix in still_life.LIGHTS.items()}
+    pictures = [shown(render.picture(image, {g: mix[g] for g in image.groups}, 0.0), image) for mix in mixes.values()]
+    first, *others = [Image.fromarray((np.clip(picture, 0, 1) * 255 + 0.5).astype(np.uint8)) for picture in pictures]
+    width = (first.width - _GAP * (len(others) - 1)) // len(others)
+    others = [other.resize((width, width * first.height // first.width), Image.Resampling.LANCZOS) for other in others]
+    sheet = Image.new("RGB", (first.width, first.height + _GAP + others[0].height), "white")
+    sheet.paste(first, (0, 0))
+    for k, other in enumerate(others):
+        sheet.paste(other, (k * (width + _GAP), first.height + _GAP))
+    sheet.save(path, quality=88)
+
+
+def _still_life_page(path: Path):
+    image = _still_life_image()
+    picture = page.Picture("still life", {1: lambda: image})
+    page.write(path, [picture], title="A still life", size=_PAGE_SIZE, quality=1.5, show=shown)
+
+
+def _assets(path: Path):
+    """The previews of the asset library, in the order of its catalogues."""
+    order = {asset.thing.name: k for k, asset in enumerate(library_assets.build())}
+    with bpy.data.libraries.load(str(library_assets.PATH), link=True, assets_only=True) as (there, wanted):
+        for kind in (kinds := ("materials", "objects", "collections", "node_groups")):
+            setattr(wanted, kind, getattr(there, kind))
+    things = sorted((thing for kind in kinds for thing in getattr(wanted, kind)), key=lambda t: order[t.name])
+    size, columns = _ASSET, 17
+    sheet = Image.new("RGB", (columns * size, -(-len(things) // columns) * size), "#303030")
+    for number, thing in enumerate(things):
+        preview = thing.preview
+        pixels = np.array(preview.image_pixels_float).reshape(*preview.image_size[::-1], 4)[::-1]
+        cell = Image.fromarray((np.clip(pixels, 0, 1) * 255 + 0.5).astype(np.uint8)).resize((size, size))
+        sheet.paste(cell, (number % columns * size, number // columns * size), cell)
+    sheet.save(path, quality=88)
+
+
 def _rendered(scene):
     with tempfile.TemporaryDirectory() as temporary:
         return render.render(scene, Path(temporary), Progress(scene.relume.model().passes)).image
@@ -110,6 +166,9 @@ _MADE = {
     "room.html": _room_page,
     "spheres.html": _spheres_page,
     "palette.html": _palette_page,
+    "assets.jpg": _assets,
+    "still_life.jpg": _still_life,
+    "still_life.html": _still_life_page,
 }
 
 

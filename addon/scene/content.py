@@ -10,6 +10,7 @@ from ...core.picture import plan
 from ...core.spectra import library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, lights, sockets
+from ..graph.lamps import named_in
 from ..graph.sources import is_grey, sources_of
 from ..host import inventory
 
@@ -89,15 +90,16 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
 
 def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
     """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
-    shining = [_illuminant(scene, group, temperatures) for group in groups]
+    named = named_in(scene, temperatures)
+    shining = [_illuminant(scene, group, temperatures, named) for group in groups]
     return list({(spectrum.name, spectrum.values.tobytes()): spectrum for spectrum in shining}.values())
 
 
-def _illuminant(scene, group: str, temperatures: dict) -> Spectrum:
+def _illuminant(scene, group: str, temperatures: dict, named: dict) -> Spectrum:
     row = scene.relume.light_groups.get(group)
     try:
         if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
-            return library.illuminant(lights.first_illuminant(temperatures, group))
+            return library.illuminant(named.get(group) or lights.first_illuminant(temperatures, group))
         return row.spectrum()
     except (library.LibraryError, SpectrumError):
         return library.illuminant("D65")
@@ -112,7 +114,8 @@ def dominant(scene) -> Spectrum:
         return library.illuminant("D65")
     found = inventory.take(scene)
     shadings, lamps = sockets.shadings_of(found)[0], lights.colours_of(found.lights)
-    return _illuminant(scene, chosen or groups[0], lights.temperatures_of(groups, lamps, shadings))
+    temperatures = lights.temperatures_of(groups, lamps, shadings)
+    return _illuminant(scene, chosen or groups[0], temperatures, named_in(scene, temperatures))
 
 
 def _choices(switching: str) -> list:

@@ -13,7 +13,7 @@ from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
 from ...core.picture import drawing, recombination
 from ...core.picture.mix import Light, Mix
-from ..graph import glass, insertion, lights, nodes, sockets, spectra
+from ..graph import glass, insertion, lamps, lights, nodes, sockets, spectra
 from ..graph.memory import Memory
 from ..host import interruption, viewing
 from ..store import mixer, mixes, properties, remarks, schema
@@ -160,13 +160,14 @@ def bring_in_line(
 
 
 def _give_illuminants(scene, temperatures: dict[str, float]) -> None:
-    """Have the rows of the mixer show the black bodies of the scene, but for those in which the artist chose."""
+    """Have the rows of the mixer show black bodies and named lamps of the scene, where the artist chose nothing."""
     before = scene[rows.GIVEN].to_dict() if rows.GIVEN in scene else {}
     given = {}
+    named = lamps.named_in(scene, temperatures)
     for row in scene.relume.lit:
         if row.is_property_set("illuminant") and row.illuminant != before.get(row.name):
             continue
-        first = lights.first_illuminant(temperatures, row.name)
+        first = named.get(row.name) or lights.first_illuminant(temperatures, row.name)
         if first != row.bl_rna.properties["illuminant"].default:
             given[row.name] = first
             if row.illuminant != first:

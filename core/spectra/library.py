@@ -23,6 +23,7 @@ __all__ = [
     "colour_science",
     "conductor",
     "conductors",
+    "extinction",
     "glass",
     "glasses",
     "illuminant",
@@ -81,7 +82,14 @@ CONDUCTORS = {
 CONDUCTOR_ALIASES = {"24-carat gold": "Gold", "Aluminum": "Aluminium", "Chrome": "Chromium"}
 _SCHOTT = ("BK7", "BAF10", "BAK1", "FK51A", "LASF9", "SF5", "SF10", "SF11")
 GLASSES = {name: ("popular_glass", name, "SCHOTT") for name in _SCHOTT}
-GLASSES |= {"Diamond": ("main", "C", "Phillip"), "Water": ("main", "H2O", "Hale")}
+GLASSES |= {
+    "Diamond": ("main", "C", "Phillip"),
+    "Ethanol": ("organic", "ethanol", "Rheims"),
+    "Fused silica": ("main", "SiO2", "Malitson"),
+    "Glycerol": ("organic", "glycerol", "Rheims"),
+    "Sapphire": ("main", "Al2O3", "Malitson-o"),
+    "Water": ("main", "H2O", "Hale"),
+}
 
 
 @cache
@@ -264,6 +272,15 @@ def glass(name: str) -> Spectrum:
     known = _find(name, GLASSES, "glass")
     entry = _entry(*GLASSES[known])
     return _dispersion(entry.n, known, "refractive index", f"refractiveindex.info, {GLASSES[known][1]}")
+
+
+def extinction(name: str) -> Spectrum:
+    """The extinction coefficient k of a transparent material of `glasses()` that was measured. Raises LibraryError."""
+    known = _find(name, GLASSES, "glass")
+    entry = _entry(*GLASSES[known])
+    if entry.k is None:
+        raise LibraryError(f"{known}: its absorption was not measured")
+    return _dispersion(entry.k, known, "extinction", f"refractiveindex.info, {GLASSES[known][1]}")
 
 
 def _entry(shelf: str, book: str, page: str) -> Any:
