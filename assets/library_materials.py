@@ -107,7 +107,7 @@ def _painted(name: str, spectrum: Spectrum, roughness: float, specular: float = 
 def _chart() -> list[Asset]:
     found = []
     for spectrum in library.reflectances("colorchecker"):
-        name = spectrum.name.split(": ")[1].capitalize()
+        name = spectrum.name.split(": ")[1].split(" (")[0].capitalize()
         material = _painted(f"{name} (ColorChecker)", spectrum, 0.9, 0.0)
         words = f"The patch “{name.lower()}” of the ColorChecker, matte."
         found.append(

@@ -188,6 +188,7 @@ def test_the_library_is_offered_once_and_taken_back(folder):
     for _ in range(2):
         asset_library.offer("Relume", folder)
     assert [Path(entry.path) for entry in libraries if entry.name == "Relume"] == [folder]
+    assert libraries["Relume"].import_method == "APPEND", "what is linked cannot become spectral"
     asset_library.withdraw("Relume", folder)
     assert [entry.name for entry in libraries] == before
     assert not preferences.is_dirty
