@@ -1,11 +1,14 @@
 .DEFAULT_GOAL := help
-.PHONY: help demo test oldest torture lint format extension clean
+.PHONY: help demo gallery test oldest torture lint format extension clean
 
 help: ## List these targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
 demo: .venv/.complete ## Render the test room once and relight it; the pictures are in out/demo
 	@.venv/bin/relume demo --out out/demo
+
+gallery: .venv/.complete ## Make the figures of the three papers again, in out/gallery; REFLECTANCES=the CSV that its tables are of
+	.venv/bin/python -m relume.benchmarks.gallery $(if $(REFLECTANCES),--reflectances $(REFLECTANCES)) --out out/gallery
 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
 	.venv/bin/pytest --numprocesses 2 --dist loadfile --ignore tests/gui

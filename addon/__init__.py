@@ -13,9 +13,11 @@ def _modules():
     from .store import palette, properties
     from .ui import (
         assets,
+        expected,
         icons,
         light_panel,
         material_panel,
+        menus,
         operators,
         palette_assign,
         palette_demands,
@@ -24,6 +26,10 @@ def _modules():
         palette_panel,
         palette_trial,
         panels,
+        preferences,
+        spectrum_files,
+        transfer_panel,
+        translation,
     )
 
     palettes = (
@@ -35,7 +41,24 @@ def _modules():
         palette_trial,
         palette_panel,
     )
-    return properties, icons, operators, panels, *palettes, material_panel, light_panel, assets, handlers, commands
+    return (
+        translation,
+        properties,
+        preferences,
+        icons,
+        expected,
+        operators,
+        panels,
+        *palettes,
+        material_panel,
+        transfer_panel,
+        light_panel,
+        spectrum_files,
+        menus,
+        assets,
+        handlers,
+        commands,
+    )
 
 
 def register() -> None:

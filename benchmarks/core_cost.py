@@ -15,7 +15,9 @@ import tracemalloc
 import numpy as np
 
 from ..core.model import bases
-from ..core.picture import coefficients
+from ..core.picture import coefficients, expectation
+from ..core.picture.content import Content
+from ..core.picture.mix import Light
 from ..core.spectra import library
 from ..studies.reports import Section
 
@@ -73,6 +75,36 @@ def relight_rows():
         yield [what, f"{1e3 * seconds:.1f} ms", f"{1e3 * RELIGHT_LIMIT:.0f} ms", ratio]
 
 
+def expectation_rows():
+    """What a change of the mixer costs: the expected error under a light never seen before, in a scene looked at."""
+    shown = Content(
+        library.reflectances("ces"), np.random.default_rng(0).random((40, 3)), None, 1.0, [library.line(500)]
+    )
+    for channels in (9, 24):
+        model = bases.fitted(channels)
+        expectation.expected_of(model, shown, Light(library.line(499)))
+        for what, lights in {
+            "a CIE illuminant": iter(_names()),
+            "a line": iter(f"{n} nm" for n in range(520, 560)),
+        }.items():
+
+            def change(lights=lights, model=model):
+                expectation.expected_of(model, shown, Light(library.illuminant(next(lights))))
+
+            seconds = best(change, runs=20)
+            ratio = f"{seconds / RELIGHT_LIMIT:.2f}"
+            yield [
+                f"expected error, {what}, p = {channels}",
+                f"{1e3 * seconds:.1f} ms",
+                f"{1e3 * RELIGHT_LIMIT:.0f} ms",
+                ratio,
+            ]
+
+
+def _names():
+    return [name for family in library.cie_illuminants().values() for name in family]
+
+
 def scene_rows():
     """A scene model for 50 materials and 4 illuminants."""
     materials = library.reflectances("ces")[:50]
@@ -108,7 +140,7 @@ def _extra_memory(groups, matrices):
 
 def main():
     """Print the table; the exit status says whether every limit holds."""
-    rows = [*import_rows(), *relight_rows(), *scene_rows(), *recombination_rows()]
+    rows = [*import_rows(), *relight_rows(), *expectation_rows(), *scene_rows(), *recombination_rows()]
     words = f"{os.cpu_count()} cores. A ratio below 1 keeps the limit."
     head = ("what", "measured", "limit", "ratio")
     print(Section("Cost of the core", words, head, rows).markdown())

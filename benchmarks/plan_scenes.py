@@ -1,10 +1,12 @@
-"""Does the planner keep its word? Generated scenes rendered as planned, one pass cheaper, and as the reference.
+"""Does the planner keep its word? Generated scenes rendered as planned, one pass cheaper, and with all 81 channels.
 
 `python -m relume.benchmarks.plan_scenes [--scenes N] [--samples N] [--tolerance T] [--out DIR]`
 
 Scenes differ in materials (measured, RGB, textured, grey, metal), lamps, bounces and in what the light may be switched
-to; scene number n is always the same. All renders of a scene share their random numbers. Prints for each scene the
-planned and the measured 98th percentile of CIEDE2000, and whether one pass less would have done.
+to; every fourth is hard: gels and saturated paints of `studies.judges`, LEDs and lines. Scene number n is always the
+same. All renders of a scene share their random numbers. Prints for each scene the planned and the measured 98th
+percentile of CIEDE2000, whether one pass less would have done, and how the error that the panel would say of its own
+lights compares with what they show.
 """
 
 import argparse
@@ -19,14 +21,18 @@ from ..addon.graph import spectra
 from ..addon.scene import content, render, render_settings, setup
 from ..core.colour import differences
 from ..core.model import bases
-from ..core.picture import coefficients, plan, recombination
+from ..core.picture import coefficients, expectation, plan, recombination
 from ..core.picture.mix import Light, Mix
 from ..core.spectra import library
+from ..studies import judges
 
 _SIZE = (48, 36)
 _LAMPS = ("D65", "D50", "A", "FL2", "FL11", "LED-B1", "LED-B3", "HP1")
 _METALS = ("gold", "copper", "silver")
 _MATERIALS = ("measured", "rgb", "texture", "grey", "metal")
+_HARD = ("film", "saturated", "measured")
+_EVERY = 4  # nth scene is hard
+_FACTOR, _SMALL = 1.5, 0.05  # an error is foretold within a factor, or both are below what anybody measures
 
 
 def _material(kind: str, random):
@@ -39,6 +45,11 @@ def _material(kind: str, random):
     shader.inputs["Roughness"].default_value = random.uniform(0.2, 1.0)
     if kind == "measured":
         samples = library.reflectances(random.choice(["ces", "colorchecker"]))
+        spectra.assign(
+            material, shader.inputs["Color"], spectra.new_reflectance(samples[random.integers(len(samples))])
+        )
+    elif kind in _HARD:
+        samples = judges.films() if kind == "film" else judges.saturated()
         spectra.assign(
             material, shader.inputs["Color"], spectra.new_reflectance(samples[random.integers(len(samples))])
         )
@@ -59,6 +70,18 @@ def _material(kind: str, random):
     return material
 
 
+def _make_narrow(row, random) -> None:
+    """Have a coloured LED, a mixture of LEDs or a line shine in a row of the mixer."""
+    kind = random.integers(3)
+    if kind == 2:
+        row["illuminant"] = f"{random.integers(440, 661)} nm"
+        return
+    lamps = judges.led_mixtures() if kind else judges.coloured_leds()
+    lamp = lamps[random.integers(len(lamps))]
+    row.source = "FILE"
+    row["measured"], row["path"] = json.dumps(lamp.to_dict()), lamp.name
+
+
 def build(number: int):
     """Empty the file and build scene `number`; returns it."""
     random = np.random.default_rng(6000 + number)
@@ -70,7 +93,8 @@ def build(number: int):
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.cycles.max_bounces = int(random.choice([0, 1, 2, 4, 8]))
     scene.cycles.sample_clamp_indirect, scene.cycles.blur_glossy = 0.0, 0.0
-    kinds = random.choice(_MATERIALS, size=random.integers(1, 4), replace=False)
+    hard = number % _EVERY == _EVERY - 1
+    kinds = random.choice(_HARD if hard else _MATERIALS, size=random.integers(1, 4), replace=False)
     materials = [_material(str(random.choice(kinds)), random) for _ in range(random.integers(1, 9))]
     bpy.ops.mesh.primitive_cube_add(size=6, location=(0, 0, 3))
     bpy.context.object.data.materials.append(materials[0])
@@ -88,6 +112,8 @@ def build(number: int):
         scene.collection.objects.link(thing)
         row = scene.relume.light_groups.add()
         row["name"], row["illuminant"] = thing.lightgroup, str(random.choice(_LAMPS))
+        if hard and random.random() < 0.6:
+            _make_narrow(row, random)
     bpy.ops.object.camera_add(location=(0, -2.9, 2.6), rotation=(1.45, 0, 0))
     scene.camera = bpy.context.object
     scene.camera.data.lens = 22
@@ -117,9 +143,12 @@ def _judge(number: int, samples: int, tolerance: float) -> dict:
     scene = build(number)
     contents = content.content_of(scene)
     found = plan.choose(contents, tolerance)
-    reference = _rendered(scene, bases.bands(), samples)
+    reference = _rendered(scene, bases.bands(81), samples)
     lights = {row.name: row.light() for row in scene.relume.light_groups}
-    measured = _measured(_rendered(scene, found.model, samples), reference, lights, contents.choices)
+    image = _rendered(scene, found.model, samples)
+    measured = _measured(image, reference, lights, contents.choices)
+    said = expectation.expected(found.model, contents, Mix(lights))
+    shown = _measured(image, reference, lights, ())
     cheaper = [c for c in found.rejected if c.model.passes == found.passes - 1]
     less = min(cheaper, key=lambda candidate: candidate.error) if cheaper else None
     below = _measured(_rendered(scene, less.model, samples), reference, lights, contents.choices) if less else None
@@ -134,6 +163,9 @@ def _judge(number: int, samples: int, tolerance: float) -> dict:
         "bounces": scene.cycles.max_bounces,
         "holds": bool(measured <= tolerance),
         "smallest": bool(below is None or below > tolerance),
+        "said": said.p98,
+        "shown": shown,
+        "foretold": bool(max(said.p98, shown) < _SMALL or 1 / _FACTOR <= said.p98 / shown <= _FACTOR),
     }
 
 
@@ -149,7 +181,8 @@ def main(argv: list[str] | None = None):
 
     register()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    print(f"{'scene':>5}{'passes':>8}{'planned':>9}{'measured':>10}{'one less':>10}  light may change, bounces: model")
+    head = f"{'scene':>5}{'passes':>8}{'planned':>9}{'measured':>10}{'one less':>10}{'said':>7}{'shown':>7}"
+    print(f"{head}  light may change, bounces: model")
     judged = []
     for number in range(arguments.scenes):
         found = _judge(number, arguments.samples, arguments.tolerance)
@@ -158,11 +191,14 @@ def main(argv: list[str] | None = None):
         marks = ("" if found["holds"] else "  FAILS") + ("" if found["smallest"] else "  too many")
         print(
             f"{number:>5}{found['passes']:>8}{found['planned']:>9.2f}{found['measured']:>10.2f}{less:>10}"
+            f"{found['said']:>7.2f}{found['shown']:>7.2f}"
             f"  {found['switching']}, {found['bounces']}: {found['model']}{marks}",
             flush=True,
         )
     holds, smallest = (sum(found[key] for found in judged) for key in ("holds", "smallest"))
     print(f"within the tolerance: {holds} of {len(judged)}; fewest passes that are: {smallest} of {len(judged)}")
+    foretold = sum(found["foretold"] for found in judged)
+    print(f"errors under their own lights foretold within a factor of {_FACTOR:g}: {foretold} of {len(judged)}")
     (arguments.out / "plan_scenes.json").write_text(json.dumps(judged, indent=2) + "\n", encoding="utf-8")
 
 

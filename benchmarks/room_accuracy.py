@@ -1,6 +1,8 @@
 """The room of [WE] section 3, rendered with every model and held against the reference: their Table 1, and ours.
 
-`python -m relume.benchmarks.room_accuracy [--samples N] [--percent P] [--out DIR]`
+`python -m relume.benchmarks.room_accuracy [--samples N] [--percent P] [--paper] [--out DIR]`
+
+With --paper, all 21 combinations of [WE] Table 1 beside the printed ones, with the error maps as one sheet.
 
 All renders share their random numbers, and Cycles is kept from ending paths or leaving out lamps by a channel's own
 brightness, so that what differs is the model. What noise is left comes from the plastic, whose mirror Cycles samples
@@ -24,7 +26,7 @@ from ..core.picture import coefficients, recombination
 from ..core.picture.mix import Light, Mix
 from ..core.spectra import library
 
-_LIGHTINGS = {
+LIGHTINGS = {
     "A": {"tungsten": "A", "fluorescent": None},
     "FL2": {"tungsten": None, "fluorescent": "FL2"},
     "both": {"tungsten": "A", "fluorescent": "FL2"},
@@ -71,24 +73,24 @@ def lit_xyz(image: coefficients.CoefficientImage, lighting: dict[str, str | None
     return coefficients.recombine(list(image.groups.values()), np.array(matrices))
 
 
-def _white(model, lighting: dict[str, str | None]) -> np.ndarray:
+def white_of(model, lighting: dict[str, str | None]) -> np.ndarray:
     lights = {group: Light(library.illuminant(name)) for group, name in lighting.items() if name}
     return recombination.mixed_white(model, Mix(lights))
 
 
 def _difference(image, truth, lighting, method=differences.delta_E_2000) -> dict[str, float]:
-    white = _white(truth.model, lighting)
+    white = white_of(truth.model, lighting)
     return differences.statistics(
         differences.picture_delta_E(lit_xyz(image, lighting), lit_xyz(truth, lighting), white, method)
     )
 
 
 def _table_1(images, truth) -> list[str]:
-    head = "".join(f" {light}: ΔE94 p50 / p98 | {light}: ΔE2000 p50 / p98 |" for light in _LIGHTINGS)
-    lines = [f"| model |{head}", "|---" * (1 + 2 * len(_LIGHTINGS)) + "|"]
+    head = "".join(f" {light}: ΔE94 p50 / p98 | {light}: ΔE2000 p50 / p98 |" for light in LIGHTINGS)
+    lines = [f"| model |{head}", "|---" * (1 + 2 * len(LIGHTINGS)) + "|"]
     for name, image in images.items():
         cells = []
-        for lighting in _LIGHTINGS.values():
+        for lighting in LIGHTINGS.values():
             for method in (differences.delta_E_1994, differences.delta_E_2000):
                 found = _difference(image, truth, lighting, method)
                 cells.append(f" {found['median']:.2f} / {found['p98']:.2f} |")
@@ -120,12 +122,18 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--samples", type=int, default=128, help="per pixel, in every pass (128)")
     parser.add_argument("--percent", type=int, default=50, help="of the room's own resolution (50)")
     parser.add_argument("--out", type=Path, default=Path("out/room_accuracy"), metavar="DIR")
+    parser.add_argument("--paper", action="store_true", help="Table 1 of [WE] as it is printed, and its error maps")
     arguments = parser.parse_args(argv)
 
     from .. import register
 
     register()
     scene = open_room(arguments.samples, arguments.percent)
+    if arguments.paper:
+        from . import room_paper
+
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        return room_paper.run(scene, arguments.out)
     truth = render_room(scene, bases.bands(36), "reference, 36 bands")
     images = {name: render_room(scene, model, name) for name, model in _models().items()}
     finer = {"reference, 48 bands": render_room(scene, bases.bands(48), "reference, 48 bands")}

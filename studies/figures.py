@@ -64,16 +64,18 @@ def _page_of(pictures: Sequence[tuple[str, NDArray]], columns: int) -> tuple["Fi
     return figure, axes
 
 
-def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]]) -> None:
-    """Write pictures in a row: (title, (height, width, 3) encoded for the display, 0..1) each."""
-    figure, axes = _page_of(pictures, len(pictures))
-    for axis, (title, picture) in zip(axes, pictures, strict=True):
+def picture_row(path: Path, pictures: Sequence[tuple[str, NDArray]], columns: int = 0) -> None:
+    """Write pictures in a row, or `columns` to one: (title, (height, width, 3) encoded for the display, 0..1) each."""
+    figure, axes = _page_of(pictures, columns or len(pictures))
+    for axis, (title, picture) in zip(axes, pictures, strict=False):
         axis.imshow(np.clip(picture, 0.0, 1.0), interpolation="lanczos")
         axis.set_title(title, fontsize=11)
     figure.savefig(path)
 
 
-def delta_e_maps(path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 5.0, columns: int = 2) -> None:
+def delta_e_maps(
+    path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 5.0, columns: int = 2, measure: str = "ΔE2000"
+) -> None:
     """Write maps of colour difference (title, (height, width)) in a grid, with one colour bar from 0 to `vmax`.
 
     The title of each gets the median and the 98th percentile; 1 is a just noticeable difference.
@@ -84,7 +86,7 @@ def delta_e_maps(path: Path, maps: Sequence[tuple[str, NDArray]], vmax: float = 
         median, p98 = np.percentile(values, [50, 98])
         axis.set_title(f"{title}\nmedian {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
     bar = figure.colorbar(shown, ax=list(axes), fraction=0.03, extend="max")
-    bar.set_label("ΔE2000 (1 is just noticeable)")
+    bar.set_label(f"{measure} (1 is just noticeable)")
     figure.savefig(path)
 
 

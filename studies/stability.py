@@ -18,7 +18,7 @@ from ..core.model.relight import power_weights
 from ..core.spectra import library
 from ..core.spectra.arrays import Array
 from ..core.spectra.spectrum import Spectrum
-from . import experiments, figures, hazards, reports
+from . import edges, experiments, figures, hazards, reports
 from .hazards import in_words, outcome
 
 __all__ = ["main"]
@@ -183,6 +183,9 @@ def sections(spectra: list[Spectrum], source: str) -> Iterator[reports.Section]:
     yield hazards.metameric_blacks(reflectances)
     yield high_albedo(reflectances)
     yield hazards.wavelengths()
+    yield edges.narrow()
+    yield edges.many_bounces()
+    yield edges.absorption()
     yield half_floats(reflectances)
     yield clamps()
 

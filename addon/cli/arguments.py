@@ -7,11 +7,12 @@ import re
 import shlex
 from contextlib import redirect_stderr
 from functools import partial
+from pathlib import Path
 
-from ...core.errors import UsageError
+from ...core.errors import RelumeError, UsageError
 from ...core.picture.mix import GAINS
 from ...core.spectra.spectrum import WAVELENGTHS
-from ..store import properties
+from ..store import mix_file, properties
 
 __all__ = ["QUALITIES", "REPORTS", "SIZES", "mix", "number", "parse"]
 
@@ -31,7 +32,7 @@ QUALITIES = (0.1, 20.0)  # ΔE of a web page
 _SCENE = "what the file was rendered from, for renders whose note does not say enough"
 _LAYER = "one of the artist's view layers; default: the first"
 _MODELS = ("rgb", "prefiltered", "sharpened", "block", "fitted")
-_CHANNELS = [name for name, _, _ in properties.CHANNELS]
+_CHANNELS = [name for name, *_ in properties.CHANNELS]
 _RANGE = re.compile(r"(-?[0-9]+)(?:-(-?[0-9]+))?")
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 # What Blender's own output path fills in
@@ -41,14 +42,26 @@ _TEMPLATE = re.compile(r"\{(blend_(name|dir)(_lib)?|fps|resolution_[xy]|scene_na
 def parse(argv: list[str], in_blender: bool) -> argparse.Namespace:
     """The command and its options. Exits as argparse does: 2 for wrong usage, 0 after help."""
     told = _parser(in_blender).parse_args(_joined(argv))
+    told.kept = None
     if getattr(told, "mix", None) is not None:
-        told.light = told.mix.light + told.light
+        told.light, told.kept = told.mix.light + told.light, told.mix.kept
         told.white = told.mix.white if told.white is None else told.white
     return told
 
 
 def mix(words: str) -> argparse.Namespace:
-    """The light and white that a mix says: what Copy Mix gives. Raises ArgumentTypeError."""
+    """The light and white that a mix says: what Copy Mix gives, or a file of it. Raises ArgumentTypeError.
+
+    kept: what a JSON file of Save Mix says of the mixer, None for words.
+    """
+    try:
+        words = mix_file.read(Path(words)) if words.endswith((".json", ".txt")) else words
+        if mix_file.is_json(words):
+            kept = mix_file.mix_from(words)
+            white = kept["balance"].get("white_balance", 0.0)
+            return argparse.Namespace(light=[], white=white, kept=kept)
+    except RelumeError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
     parser = argparse.ArgumentParser(add_help=False, exit_on_error=False, allow_abbrev=False)
     _add_lights(parser)
     try:
@@ -58,6 +71,7 @@ def mix(words: str) -> argparse.Namespace:
         told = None
     if told is None or not (told.light or told.white is not None):
         raise argparse.ArgumentTypeError("not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' … --white 0..1")
+    told.kept = None
     return told
 
 
@@ -68,8 +82,8 @@ def _add_lights(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, or a blend as "
-        f'[["D65", 0.25], ["A", 0.75]]; GAIN: 0 to {GAINS[1]:.0f}',
+        help="what lights a group, the others stay as they were rendered; ILLUMINANT: a name, FILE#COLUMN, or a blend "
+        f'as [["D65", 0.25], ["A", 0.75]]; GAIN: 0 to {GAINS[1]:.0f}',
     )
     parser.add_argument("--white", type=_white, metavar="none|full|0..1", help="white balance")
 
@@ -119,9 +133,10 @@ def _parser(in_blender: bool) -> argparse.ArgumentParser:
     _add_lights(relight)
     relight.add_argument(
         "--mix",
-        metavar="WORDS",
+        metavar="MIX.json | WORDS",
         type=mix,
-        help="what Copy Mix gives on a page of `relume web`, in quotes; --light and --white come after it",
+        help="a file of Save Mix in Blender, or what Copy Mix gives on a page of `relume web`, in quotes or in a file; "
+        "--light and --white come after it",
     )
     relight.add_argument(
         "--scene",

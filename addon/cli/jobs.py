@@ -21,10 +21,12 @@ from ...core.errors import CoefficientImageError, ResultError, SequenceError, Se
 from ...core.picture import coefficients, description, mixing, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
-from ...core.spectra import library
+from ...core.spectra import files, library
+from ...core.spectra.spectrum import Spectrum
 from ..host import console, denoising
 from ..scene import describe, render, setup
-from . import arguments
+from ..store import mix_file, mixes
+from . import arguments, expected
 
 __all__ = ["describe_scene", "file_name", "lights_of", "relight_file", "render_scene"]
 
@@ -133,7 +135,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         rendered = render.render(scene, exr.parent, progress, denoising.guides_of(scene) if denoises else None)
     finally:
         progress.done()
-    image = rendered.image
+    image = replace(rendered.image, shows=expected.seen(scene))
     lights = dict(zip(image.groups, scene.relume.lights(), strict=True))
     mixes = dict.fromkeys(names, lights)
     if plain:
@@ -151,6 +153,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},
         "light_groups": {group: light.illuminant.name for group, light in lights.items()},
         "illuminants": list(mixes),
+        "expected": {label: expected.of(image, image.mix(mix)) for label, mix in mixes.items()},
         "files": [path.name for path in written],
     }
     with ExitStack() as until_there, results.together():
@@ -161,6 +164,8 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         results.write_text(summary, _summary(scene, summary, record))
     for path in written:
         console.wrote(path)
+    for label, found in record["expected"].items():
+        expected.tell(found, image, label)
 
 
 def _summary(scene, path: Path, record: dict) -> str:
@@ -187,9 +192,14 @@ def _noted(path: Path) -> list[dict]:
     raise ResultError(f"{path}: not a summary that Relume wrote; move it away, or choose another folder")
 
 
-def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
-    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given."""
+def lights_of(image: CoefficientImage, chosen: list[str], kept: dict | None = None) -> dict[str, Light]:
+    """A light for each group of a coefficient image, from GROUP=ILLUMINANT[*GAIN] where one is given.
+
+    kept: a mix that was saved, as `mix_file.mix_from` returns it; what is chosen comes after it.
+    """
     lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    if kept is not None:
+        lights |= mix_file.lights_in(kept, list(lights))
     for text in chosen:
         group, equals, what = text.rpartition("=")
         name, star, gain = what.partition("*")
@@ -202,8 +212,19 @@ def lights_of(image: CoefficientImage, chosen: list[str]) -> dict[str, Light]:
         except UsageError as error:
             raise UsageError(f"--light {text}: the gain {error}") from error
         parts = tuple((library.illuminant(part), weight) for part, weight in arguments.blend(name))
-        lights[group] = Light(mixing.blend(parts) if parts else library.illuminant(name), gained)
+        lights[group] = Light(mixing.blend(parts) if parts else _illuminant(name), gained)
     return lights
+
+
+def _illuminant(name: str) -> Spectrum:
+    """An illuminant of the library, or FILE#COLUMN for one of a file of spectra. Raises LibraryError, SpectrumError."""
+    path, mark, column = name.rpartition("#")
+    if not mark:
+        return library.illuminant(name)
+    found = {spectrum.name: spectrum for spectrum in files.read(path, "illuminant")}
+    if column not in found:
+        raise UsageError(f"{path} has no column {column!r}; it has {', '.join(found)}")
+    return found[column]
 
 
 def relight_file(options: argparse.Namespace) -> None:
@@ -215,9 +236,11 @@ def relight_file(options: argparse.Namespace) -> None:
     waiting = {out: source for out, source in sources.items() if not (options.resume and _is_newer(out, source))}
     found = coefficients.describe_all(waiting.values(), options.described, options.layer)
     for source, image in zip(waiting.values(), found, strict=True):  # says what is wrong before any picture is made
-        lights_of(image, options.light)
+        lights_of(image, options.light, options.kept)
         if options.out.suffix.lower() != ".exr":
             render.check_view(source, image)
+    if options.kept is not None and options.kept["balance"].get("white_source", "MIX") != "MIX":
+        console.say("the saved mix takes its white from a light group or a pixel; here it is that of all light")
     if waiting:
         _remark(next(iter(waiting.values())), options)
     with results.folder(options.out.parent):
@@ -231,6 +254,9 @@ def relight_file(options: argparse.Namespace) -> None:
                 console.event("relit", number=done, of=len(sources)) or print(
                     f"relit {done} of {len(sources)}", file=sys.stderr, flush=True
                 )
+    if waiting:
+        image, mix = found[0], found[0].mix(lights_of(found[0], options.light), options.white)
+        expected.tell(expected.of(image, mix), image)
 
 
 def _check_apart(sources: dict[Path, Path]) -> None:
@@ -283,13 +309,24 @@ def _is_newer(out: Path, source: Path) -> bool:
     return out.is_file() and source.is_file() and out.stat().st_mtime >= source.stat().st_mtime
 
 
+def _seen(image: CoefficientImage, kept: dict | None) -> CoefficientImage:
+    """A coefficient image, seen as a saved mix says: by its observer, adapted to its own white. Raises RelumeError."""
+    if kept is None:
+        return image
+    balance = {"observer": image.observer, "white_balance_method": image.white_balance_method} | kept["balance"]
+    observed = balance["observer"]
+    observer = mixes.stored_observer(balance["observer_measured"]) if observed == mixes.FILE else observed
+    return replace(image, white=None, white_balance_method=balance["white_balance_method"], observer=observer)
+
+
 def _relit(waiting: dict[Path, Path], options: argparse.Namespace) -> Iterator:
     """Yield (path, coefficient image, picture) of each file, in order; a frame for each core is worked on ahead."""
 
     def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
         image = coefficients.read(source, options.described, options.layer)
-        return out, image, render.picture(image, lights_of(image, options.light), options.white)
+        lights = lights_of(image, options.light, options.kept)
+        return out, image, render.picture(_seen(image, options.kept), lights, options.white)
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

@@ -119,6 +119,10 @@ class _Tree:
         for node, insertion in zip(chain, insertions, strict=True):
             if insertion.lamp:
                 self.tint(node, insertion.lamp)
+            elif TINT in node:  # the colour went back to its lamp
+                self.changes += 1
+                node.inputs["Tint"].default_value = (1.0, 1.0, 1.0, 1.0)
+                del node[TINT]
 
     def insert(self, socket, insertions: list[Insertion]) -> None:
         """Put the nodes in front of a socket, one before the other."""
@@ -184,6 +188,8 @@ def restore(tree, owner) -> None:
         return
     with nodes.unplugged(tree):
         for node in inserted:
+            if "Tint" in node.inputs and isinstance(owner, bpy.types.Light):
+                animation.carry(tree, node.inputs["Tint"].path_from_id("default_value"), owner, "color")
             take_out(tree, owner, node)
 
 

@@ -170,7 +170,7 @@ def _obstacle(light) -> str:
     moving = animation.paths(light, light)
     if moving & {"temperature", "use_temperature"}:
         return "its temperature is animated: its colour stays RGB"
-    if "color" in moving and animation.is_shared(light, "color"):
+    if any(animation.is_shared(light, path) for path in moving & {"color", light.get(insertion.MOVED)}):
         return "its animation is that of other lamps too: its colour stays RGB"
     if _uses_nodes(light) and not sockets.emits(light.node_tree):
         return "its nodes emit inside a node group, or not at all: the colour of the lamp itself stays RGB"

@@ -85,6 +85,7 @@ def upsample_group(channels: int, vector: bool = False, bounds: str = ""):
     kind = "Vector" if vector else bounds.capitalize()
     tree, new = _shared_tree(f"Relume Upsample {kind}".rstrip(), "upsample")
     if not new:
+        view_group(channels)
         return tree
     name = kind = "Vector" if vector else "Color"
     nodes.add_socket(tree, name, kind, output=False, default=(1.0, 1.0, 1.0) if vector else (0.8, 0.8, 0.8, 1.0))
@@ -129,6 +130,7 @@ def light_group(index: int, channels: int, spectral: bool = False):
     """
     tree, new = _shared_tree(f"Relume {'Spectral ' if spectral else ''}Light {index + 1}", "light")
     if not new:
+        view_group(channels)
         return tree
     tree[_LIGHT] = index
     for name in ("Color", "Tint", "Spectrum"):

@@ -3,7 +3,7 @@
 from . import glass, nodes, spectra
 from .closures import in_use, spectral_sockets
 
-__all__ = ["GLASS", "METAL", "REFLECTANCE", "chosen_at", "of", "socket_of"]
+__all__ = ["GLASS", "METAL", "REFLECTANCE", "chosen_at", "of", "socket_of", "tree_at"]
 
 # What a place takes from the library
 REFLECTANCE, METAL, GLASS = "reflectance", "metal", "glass"
@@ -27,11 +27,17 @@ def of(material) -> list[tuple[str, str, str]]:
 
 def chosen_at(node, identifier: str, takes: str) -> str:
     """Name of the spectrum at a place, "" if there is none."""
+    tree = tree_at(node, identifier, takes)
+    return "" if tree is None else next(iter(spectra.spectra_of(tree).values())).name
+
+
+def tree_at(node, identifier: str, takes: str):
+    """The group of the spectrum at a place, None if there is none."""
     if takes == GLASS:
-        return spectra.spectra_of(node.node_tree)["IOR"].name if nodes.role(node) == "glass" else ""
+        return node.node_tree if nodes.role(node) == "glass" else None
     socket = node.inputs["IOR"] if takes == METAL else socket_of(node, identifier)
     tree = spectra.source_of(socket)
-    return next(iter(spectra.spectra_of(tree).values())).name if tree and spectra.SPECTRA in tree else ""
+    return tree if tree and spectra.SPECTRA in tree else None
 
 
 def socket_of(node, identifier: str):

@@ -16,6 +16,7 @@ import bpy
 __all__ = [
     "acts_on",
     "broken",
+    "carry",
     "count_again",
     "has_any",
     "has_strips",
@@ -162,7 +163,7 @@ def _users() -> Counter:
 
 def _users_of(animated: Collection) -> Counter:
     found = Counter()
-    for block in animated:
+    for block in (block for block in animated if block.users):  # what nothing uses is gone once the file is saved
         tree = getattr(block, "node_tree", None)
         for owner in (block, tree) if tree is not None and tree.is_embedded_data else (block,):
             found.update({(action.session_uid, slot.handle) for action, slot in _actions(owner) if slot})
@@ -210,6 +211,26 @@ def _own_curves(block) -> list:
     own = [(a, slot) for a, slot in _actions(block) if slot and users[a.session_uid, slot.handle] == 1]
     own = dict.fromkeys(own)
     return [block.animation_data.drivers, *(bag.fcurves for action, slot in own for bag in _bags(action, slot))]
+
+
+def carry(source, before: str, target, after: str) -> None:
+    """Give the keys of a value of one data-block to a value of another, which nothing animates."""
+    size = len(target.path_resolve(after))
+    curves = [c for c in keyed(source, before) if c.data_path == before and c.array_index < size]
+    if not curves or is_animated(target, after):
+        return
+    for curve in curves:
+        for key in curve.keyframe_points:
+            target.keyframe_insert(after, index=curve.array_index, frame=key.co.x)
+    for new in keyed(target, after):
+        old = next(curve for curve in curves if curve.array_index == new.array_index)
+        new.extrapolation = old.extrapolation
+        for key, kept in zip(new.keyframe_points, old.keyframe_points, strict=True):
+            for name in ("handle_left_type", "handle_right_type", "interpolation", "co", "handle_left", "handle_right"):
+                setattr(key, name, getattr(kept, name))
+    for own in _own_curves(source):
+        for curve in [curve for curve in own if curve.data_path == before]:
+            own.remove(curve)
 
 
 def renumber(block, collection: str, numbers: dict[int, int]) -> None:

@@ -5,15 +5,16 @@ from collections import Counter
 
 import bpy
 
+from ...core.errors import SetupError
 from ...core.picture import plan
 from ...core.spectra import library
-from ...core.spectra.spectrum import SpectrumError
+from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, lights, sockets
 from ..graph.lamps import named_in
 from ..graph.sources import is_grey, sources_of
 from ..host import inventory
 
-__all__ = ["checksum", "content_of"]
+__all__ = ["checksum", "content_of", "dominant"]
 
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
@@ -89,18 +90,32 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
 
 def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
     """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
-    found, named = {}, named_in(scene, temperatures)
-    for group in groups:
-        row = scene.relume.light_groups.get(group)
-        try:
-            if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
-                spectrum = library.illuminant(named.get(group) or lights.first_illuminant(temperatures, group))
-            else:
-                spectrum = row.spectrum()
-        except (library.LibraryError, SpectrumError):
-            spectrum = library.illuminant("D65")
-        found[spectrum.name, spectrum.values.tobytes()] = spectrum
-    return list(found.values())
+    named = named_in(scene, temperatures)
+    shining = [_illuminant(scene, group, temperatures, named) for group in groups]
+    return list({(spectrum.name, spectrum.values.tobytes()): spectrum for spectrum in shining}.values())
+
+
+def _illuminant(scene, group: str, temperatures: dict, named: dict) -> Spectrum:
+    row = scene.relume.light_groups.get(group)
+    try:
+        if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
+            return library.illuminant(named.get(group) or lights.first_illuminant(temperatures, group))
+        return row.spectrum()
+    except (library.LibraryError, SpectrumError):
+        return library.illuminant("D65")
+
+
+def dominant(scene) -> Spectrum:
+    """What shines in the light group that the artist called dominant, by default the first. Raises SetupError."""
+    groups, chosen = lights.light_groups_of(scene), scene.relume.dominant_group
+    if chosen and chosen not in groups:
+        raise SetupError(f"nothing shines in {chosen!r}, the dominant light; there are {', '.join(groups) or 'none'}")
+    if not groups:
+        return library.illuminant("D65")
+    found = inventory.take(scene)
+    shadings, lamps = sockets.shadings_of(found)[0], lights.colours_of(found.lights)
+    temperatures = lights.temperatures_of(groups, lamps, shadings)
+    return _illuminant(scene, chosen or groups[0], temperatures, named_in(scene, temperatures))
 
 
 def _choices(switching: str) -> list:

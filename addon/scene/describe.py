@@ -1,10 +1,12 @@
 """What a scene says about its renders: for `relume describe`, `relume relight --scene`and for sidecars."""
 
+from dataclasses import replace
+
 import bpy
 
 from ...core.errors import SetupError
 from ...core.picture.description import Description
-from . import baking, note, render, view_layers
+from . import baking, content, note, render, view_layers
 
 __all__ = ["description_of", "of_open_file"]
 
@@ -16,7 +18,8 @@ def description_of(scene) -> Description:
     layers = view_layers.pass_layers(scene)
     if not layers:
         raise SetupError(f"scene {scene.name!r} is not set up for spectral rendering")
-    image, animated = render.described(scene), baking.is_animated(scene)
+    image = replace(render.described(scene), shows=content.content_of(scene))
+    animated = baking.is_animated(scene)
     found, _ = note.made(scene, image, animated)
     names = {source: tuple(layer.name for layer in each) for source, each in layers.items()}
     return Description(image, names, mix_of(found), animated)

@@ -12,7 +12,7 @@ from ...core.picture import coefficients, description, sequences
 from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import CoefficientImage
 from ..graph import node_groups, nodes
-from ..store import mixer, properties
+from ..store import mixer, properties, schema
 from . import setup
 
 __all__ = ["new_scene", "point_at", "read_current"]
@@ -70,6 +70,7 @@ def new_scene(path: Path):
         scene[properties.MODEL] = json.dumps(image.model.to_dict())
         with mixer.quiet():
             _fill_mixer(settings, image)
+        scene[properties.FIRST] = schema.snapshot_text(mixer.choices(settings))
         _remember(scene, files, path, image, described)
         _composite(scene, _load(files, path), files, image, described)
         setup.relight(scene)
@@ -105,8 +106,8 @@ def point_at(scene, path: Path) -> None:
     before = description.from_json(scene[STOCK]) if STOCK in scene else None
     if model_checksum(image.model) != model_checksum(settings.model()):
         raise CoefficientImageError(
-            f"{path}: was rendered with {image.model.channels} channels, or for another scene; "
-            f"the mixer has {settings.model().channels} of its own: open it with Relight from EXR in a new scene"
+            f"{path}: was rendered with {_channels(image.model)}, or for another scene; "
+            f"the mixer has {_channels(settings.model())} of its own: open it with Relight from EXR in a new scene"
         )
     if (described and described.passes()) != (before and before.passes()):
         raise CoefficientImageError(
@@ -140,6 +141,10 @@ def read_current(scene) -> coefficients.CoefficientImage:
     """The coefficients of the EXR that a scene shows at its current frame. Raises CoefficientImageError."""
     described = description.from_json(scene[STOCK]) if STOCK in scene else None
     return coefficients.read(current_file(scene), described)
+
+
+def _channels(model) -> str:
+    return "1 channel" if model.channels == 1 else f"{model.channels} channels"
 
 
 def _fill_mixer(settings, image: CoefficientImage) -> None:

@@ -14,13 +14,12 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...core.errors import RelumeError
-from ...core.picture import plan
 from ..graph import lights, nodes, sockets
 from ..graph.memory import Memory
 from ..host import animation, viewing
 from ..host.console import LOG
 from ..store import mixer, properties
-from . import content, faults, passes, rows, setup, shading, view_layers
+from . import faults, passes, planning, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
 __all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick", "watch"]
@@ -270,19 +269,12 @@ def settle(scene) -> None:
 
 def _plan_again(scene) -> None:
     """Give a scene another model where its own is no longer within the tolerance."""
-    kept, model = setup.plan_of(scene), scene.relume.model()
-    if "content" not in kept or model.is_reference or not (_noticed.content or bpy.app.background):
+    if not (_noticed.content or bpy.app.background):
         return
     _noticed.content = False
-    shows = content.content_of(scene)
-    if content.checksum(shows) == kept["content"]:
-        return
-    kept["content"] = content.checksum(shows)
-    error, worst = plan.predict(model, shows)
-    if error > scene.relume.tolerance:
-        found = setup.planned(shows, scene.relume.tolerance)
-        setup.update(scene, found.model)
-        why = f"{worst} would have come out with ΔE {error:.2g}"
-        kept |= {"reason": found.reason, "changed": f"the scene has changed: {why}; {found.model.passes} passes now"}
-        LOG.info("scene %r: %s", scene.name, kept["changed"])
-    scene[properties.PLAN] = kept
+    if revised := planning.revised(scene):
+        noted, model = revised
+        if model is not None:
+            setup.update(scene, model)
+            LOG.info("scene %r: %s", scene.name, noted["changed"])
+        scene[properties.PLAN] = noted

@@ -10,7 +10,6 @@ from contextlib import contextmanager, suppress
 import bpy
 
 from ...core.errors import SetupError
-from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..host import animation
 from ..store import mixer, schema
 from ..store.mixer import CURVE
@@ -95,8 +94,8 @@ def _follow_renames(settings, before: dict, now: dict) -> None:
     for group, names in followed.items():
         if group not in settings.light_groups and len(names) == 1:
             _rename(settings, names[0], group)
-    gone = [row.name for row in settings.light_groups if row.name not in {*now, EVERYTHING_ELSE} and row.is_lit]
-    new = [group for group in now if group not in settings.light_groups and group != EVERYTHING_ELSE]
+    gone = [row.name for row in settings.light_groups if row.name not in now and row.is_lit]
+    new = [group for group in now if group not in settings.light_groups]
     if len(gone) == len(new) == 1 and gone[0] not in before:
         _rename(settings, gone[0], new[0])
 

@@ -1,11 +1,8 @@
 """Setting a scene up for spectral rendering, changing its light, and giving the scene back."""
 
-import importlib
 import json
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor, wait
+from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import closing
-from dataclasses import replace
 from types import MappingProxyType
 
 import bpy
@@ -14,14 +11,14 @@ import numpy as np
 from ...core.errors import RelumeError, SetupError
 from ...core.model import channel_order
 from ...core.model.factor_model import FactorModel
-from ...core.picture import drawing, plan, recombination
+from ...core.picture import drawing, recombination
 from ...core.picture.mix import Light, Mix
 from ..graph import glass, insertion, lamps, lights, nodes, sockets, spectra
 from ..graph.memory import Memory
 from ..host import interruption, viewing
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
-from . import compositing, content, faults, note, passes, render_settings, rows, shading, surfaces, view_layers
+from . import compositing, faults, note, passes, planning, render_settings, rows, shading, surfaces, view_layers
 
 __all__ = [
     "SetupError",
@@ -29,8 +26,6 @@ __all__ = [
     "follow",
     "lighting",
     "matrices_of",
-    "plan_of",
-    "planned",
     "relight",
     "release",
     "remove",
@@ -38,8 +33,6 @@ __all__ = [
     "setting_up",
     "update",
 ]
-
-_LEAST = 3  # channels: one pass as well, and what is grey today may have a colour tomorrow
 
 
 def set_up(scene, model: FactorModel | None = None) -> None:
@@ -57,22 +50,17 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
     """Do what `set_up` does piece by piece; yields what is being done. Closed on the way, it leaves all as it was."""
     faults.check(scene)
     schema.check(scene)
-    chosen = {"request": "" if model else scene.relume.request}
-    if model is None and scene.relume.channels == properties.AUTO:
-        yield "loading libraries"
-        _load_libraries()
-        yield "looking at the scene"
-        shows = content.content_of(scene)
-        found = yield from _meanwhile("choosing channels", planned, shows, scene.relume.tolerance)
-        model, chosen["reason"], chosen["content"] = found.model, found.reason, content.checksum(shows)
-    model = channel_order.balanced(model or properties.model_for(scene.relume.channels))
+    chosen = {"request": ""}
+    if model is None:
+        model, chosen = yield from planning.chosen(scene)
+    model = channel_order.balanced(model)
     # The coefficients of a spectrum are those of one model: all scenes of a file share it
     described = json.dumps(model.to_dict())
     others = _others_without(scene, described)
     for other in others:
         schema.check(other)
     scenes = [scene, *others]
-    before = {s: (s[properties.MODEL], plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
+    before = {s: (s[properties.MODEL], planning.plan_of(s), rows.members_of(s)) for s in scenes if s.relume.is_set_up}
     at = scene
     with mixer.quiet():
         try:
@@ -84,6 +72,8 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
                 at = each
                 for _ in bring_in_line(each, model, before[each][2] if each in before else {}):
                     yield f"setting up {each.name}"
+                if each is scene and chosen["request"]:
+                    chosen["request"] = scene.relume.request  # that of one lamp is known by the row that it now has
                 each[properties.PLAN] = chosen
             for each in scenes:
                 rows.settle(each.relume)
@@ -99,31 +89,6 @@ def setting_up(scene, model: FactorModel | None = None) -> Iterator[str]:
             else:
                 what = f"scene {at.name!r} is as it was, for setting it up failed"
             raise SetupError(f"{what}: {error}") from error
-
-
-def _load_libraries() -> None:
-    """Import what a thread is to work with: two threads that import SciPy, whose modules import each other, stop."""
-    for name in ("colour", "scipy.interpolate", "scipy.optimize"):
-        importlib.import_module(name)
-
-
-def _meanwhile(words: str, work: Callable, *arguments) -> Generator[str]:
-    """Have a thread do what needs nothing of Blender; yields the words until it is done, and returns the result."""
-    with ThreadPoolExecutor(1) as pool:
-        task = pool.submit(work, *arguments)
-        while not wait([task], timeout=0.05).done:
-            yield words
-        return task.result()
-
-
-def planned(shows: plan.Content, tolerance: float) -> plan.Plan:
-    """The plan for what a scene shows, with the channels in their order."""
-    found = plan.choose(shows, tolerance, _LEAST)
-    return replace(found, chosen=replace(found.chosen, model=channel_order.balanced(found.model)))
-
-
-def plan_of(scene) -> dict:
-    return scene[properties.PLAN].to_dict() if properties.PLAN in scene else {}
 
 
 def _give_back(scenes: list, before: dict) -> str:

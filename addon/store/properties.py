@@ -1,6 +1,7 @@
 """What an artist chooses, kept in the scene: channels, the mixer of light groups, white balance."""
 
 import json
+import zlib
 from functools import lru_cache
 
 import bpy
@@ -11,28 +12,44 @@ from ...core.errors import RelumeError
 from ...core.model import bases
 from ...core.model.factor_model import FactorModel
 from ...core.spectra import files
-from . import changes, mixes
+from . import changes, mixes, preferred
 from .mixer import CLASSES as MIXER_CLASSES
 from .mixer import LightGroup, Snapshot, mix_changed, reading
 from .mixes import FILE
 
-__all__ = ["AUTO", "CHANNELS", "CLASSES", "LightGroup", "model_for", "register", "unregister"]
+__all__ = ["AUTO", "CHANNELS", "CLASSES", "PREFILTERED", "LightGroup", "model_for", "register", "unregister"]
 
 MODEL = "relume_model"  # the factor model of a scene that is set up, as JSON
 PLAN = "relume_plan"  # what was asked for, and why this model was chosen
 STOCK = "relume_stock"  # on a scene that shows an EXR which Blender wrote: its description, as JSON
+FIRST = "relume_first"  # on a scene that shows an EXR: the mix that it was rendered with, as a snapshot keeps it
 REFERENCE_BANDS = 36
+EXACT_BANDS = 81
 
 AUTO = "auto"
+EXACT = "exact"
+PREFILTERED = "prefiltered"
 
+# With the number that a file keeps of each
 CHANNELS = [
-    (AUTO, "Automatic", "As few passes as this scene needs to stay within the tolerance"),
-    ("3", "3 channels, 1 pass", "As fast as an RGB render; exact enough for one light that stays"),
-    ("6", "6 channels, 2 passes", "Differences seen side by side"),
-    ("9", "9 channels, 3 passes", "Nobody can see the difference to the full spectrum"),
-    ("12", "12 channels, 4 passes", "For lamps with strong lines"),
-    ("15", "15 channels, 5 passes", "For measurements"),
-    ("reference", "Reference, 12 passes", "Every band of 11 nm on its own: slow, to compare with"),
+    (AUTO, "Automatic", "As few passes as this scene needs to stay within the tolerance", 0),
+    ("3", "3 channels, 1 pass", "As fast as an RGB render; exact enough for one light that stays", 1),
+    (PREFILTERED, "One Pass, Prefiltered", "Exact where one lamp shines directly; others act as RGB colours", 7),
+    ("6", "6 channels, 2 passes", "Differences seen side by side", 2),
+    ("9", "9 channels, 3 passes", "Nobody can see the difference to the full spectrum", 3),
+    ("12", "12 channels, 4 passes", "For lamps with strong lines", 4),
+    ("15", "15 channels, 5 passes", "For measurements", 5),
+    ("18", "18 channels, 6 passes", "For gels and coloured LEDs", 8),
+    ("24", "24 channels, 8 passes", "For gels, coloured LEDs and saturated paints", 9),
+    ("reference", "Reference, 12 passes", "36 samples of the spectrum: slow, to compare with", 6),
+    (EXACT, "Exact, 27 passes", "All 81 samples of the spectrum, 5 nm apart: very slow, to be sure", 10),
+]
+
+# In what one prefiltered pass multiplies colours, as `core.model.bases.SPACES` has them
+RENDERING_SPACES = [
+    ("sharp", "Sharp", "Sharpened primaries: mostly the nearest, also where light bounces"),
+    ("srgb", "sRGB", "The primaries of a display, as in an RGB render"),
+    ("xyz", "XYZ", "The tristimulus values themselves; no coefficient is ever negative"),
 ]
 
 
@@ -64,7 +81,8 @@ OBSERVERS = [
 
 def model_for(channels: str) -> FactorModel:
     """The factor model that an entry of `CHANNELS` stands for."""
-    return bases.named("bands", REFERENCE_BANDS) if channels == "reference" else bases.named("fitted", int(channels))
+    bands = {"reference": REFERENCE_BANDS, EXACT: EXACT_BANDS}
+    return bases.named("bands", bands[channels]) if channels in bands else bases.named("fitted", int(channels))
 
 
 @lru_cache(maxsize=8)
@@ -74,6 +92,13 @@ def _model_from(text: str) -> FactorModel:
 
 def _observer(path: str) -> list[dict]:
     return [spectrum.to_dict() for spectrum in files.observer(path)]
+
+
+def _groups(self, _context, typed: str) -> list[str]:
+    """The light groups to choose from: the mixer's, and those that the scene's view layers have."""
+    layers = self.id_data.view_layers
+    names = [*(row.name for row in self.lit), *(group.name for layer in layers for group in layer.lightgroups)]
+    return [name for name in dict.fromkeys(names) if typed.casefold() in name.casefold()]
 
 
 def _wiped(self, context) -> None:
@@ -91,6 +116,7 @@ class SceneSettings(PropertyGroup):
         description="How finely the spectrum is split. Three channels are one render pass",
         items=CHANNELS,
         default=AUTO,
+        get_transform=preferred.channels,
     )
     tolerance: FloatProperty(
         name="Tolerance",
@@ -99,6 +125,19 @@ class SceneSettings(PropertyGroup):
         default=1.0,
         min=0.02,
         soft_max=5.0,
+        get_transform=preferred.tolerance,
+    )
+    dominant_group: StringProperty(
+        name="Dominant Light",
+        description="The light group whose light materials are prefiltered for: its direct light is exact. Empty: the "
+        "first one",
+        search=_groups,
+    )
+    rendering_space: EnumProperty(
+        name="Multiply In",
+        description="The primaries in which the pass multiplies colours",
+        items=RENDERING_SPACES,
+        default="sharp",
     )
     switching: EnumProperty(
         name="Switch Light",
@@ -204,8 +243,19 @@ class SceneSettings(PropertyGroup):
     @property
     def request(self) -> str:
         """What is asked for now: the choices that decide the model."""
-        chosen = (self.channels, f"{self.tolerance:g}", self.switching) if self.channels == AUTO else (self.channels,)
-        return " ".join(chosen)
+        if self.channels == AUTO:
+            return f"{self.channels} {self.tolerance:g} {self.switching}"
+        if self.channels == PREFILTERED:
+            return f"{self.channels} {self.rendering_space} {self._dominant()}"
+        return self.channels
+
+    def _dominant(self) -> str:
+        """The dominant light group and a checksum of its light: for another light the pass is no longer exact."""
+        row = next((row for row in self.lit if row.name == self.dominant_group or not self.dominant_group), None)
+        try:
+            return f"{row.name} {zlib.crc32(row.spectrum().values.tobytes()):08x}" if row else self.dominant_group
+        except RelumeError:
+            return self.dominant_group
 
     @property
     def plan(self) -> dict:

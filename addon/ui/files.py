@@ -22,10 +22,12 @@ class RelightExr(Operator):
     bl_label = "Relight from EXR"
     bl_options = {"REGISTER", "UNDO"}
 
-    filepath: StringProperty(subtype="FILE_PATH")
+    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE"})
     filter_glob: StringProperty(default="*.exr", options={"HIDDEN"})
 
     def invoke(self, context, event) -> set[str]:
+        if self.filepath:  # dropped
+            return self.execute(context)
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 

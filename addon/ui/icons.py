@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.picture import drawing
 
-__all__ = ["curves", "patch", "register", "swatch_and_curve", "unregister"]
+__all__ = ["curves", "dot", "paint", "patch", "register", "swatch_and_curve", "unregister"]
 
 
 _previews = None
@@ -34,6 +34,19 @@ def patch(wanted, full, model) -> int:
     """The icon of a patch of the palette, of three sRGB colours (3,). 0 in a Blender without a window."""
     key = "patch " + " ".join(f"{value:.3f}" for color in (wanted, full, model) for value in color)
     return _picture(key, lambda: drawing.patch(wanted, full, model))
+
+
+def paint(reflectance) -> int:
+    """The icon of the colour that a reflectance, a Spectrum, has in daylight. 0 in a Blender without a window."""
+    if _previews is None or bpy.app.background:
+        return 0
+    color = drawing.paint(reflectance)
+    return patch(color, color, color)
+
+
+def dot(level: str) -> int:
+    """The icon of a level of `core.expectation`. 0 in a Blender without a window."""
+    return _picture(f"dot {level}", lambda: drawing.dot(level))
 
 
 def curves(lines) -> int:

@@ -4,6 +4,7 @@ from bpy.types import Panel
 from bpy.utils import register_classes_factory
 
 from ..graph import lights
+from .translation import said
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -24,7 +25,9 @@ class LightPanel(Panel):
         layout.use_property_split = True
         tints = lights.tints_of(light)
         for number, tint in enumerate(tints, 1):
-            layout.prop(tint, "default_value", text=f"Color {number}" if len(tints) > 1 else "Color")
+            layout.prop(
+                tint, "default_value", text=said("Color {number}", number=number) if len(tints) > 1 else said("Color")
+            )
         if lights.temperature_of(light):
             layout.prop(light, "temperature", text="Black Body")
 

@@ -12,21 +12,46 @@ from bpy_extras.io_utils import ImportHelper
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
+from . import icons, own_spectra
 from .mixer_operators import reporting
+from .translation import said
 
-__all__ = ["CLASSES", "register", "unregister"]
+__all__ = [
+    "CLASSES",
+    "active_material",
+    "assign_from_file",
+    "assign_from_library",
+    "first_place",
+    "library_of",
+    "register",
+    "unregister",
+]
 
 _WORDS = {places.REFLECTANCE: "RGB colour", places.METAL: "RGB metal", places.GLASS: "Without dispersion"}
+_OWN = {}  # the user's own files, by those that were listed
 
 
 @cache  # Blender keeps no reference to the strings
-def _library(takes: str) -> list[tuple[str, str, str]]:
+def library_of(takes: str) -> list[tuple]:
     if takes == places.METAL:
         return [(name, name, "") for name in library.conductors()]
     if takes == places.GLASS:
         return [(name, name, "") for name in library.glasses()]
     found = [spectrum for label in library.REFLECTANCE_SETS for spectrum in library.reflectances(label)]
-    return [(spectrum.name, spectrum.name, spectrum.source) for spectrum in found]
+    return [(s.name, s.name, s.source, icons.paint(s), number) for number, s in enumerate(found)]
+
+
+def _offered(self, context) -> list[tuple]:
+    """The library, and the files of the user's own folder where colours are looked for."""
+    takes = self.takes or places.REFLECTANCE
+    found = own_spectra.listed(own_spectra.PAINTS) if takes == places.REFLECTANCE else []
+    if not found:
+        return library_of(takes)
+    if _OWN.get("files") is not found:
+        first = len(library_of(takes))
+        items = [(path, f"{name}  (own)", path, 0, first + k) for k, (path, name) in enumerate(found)]
+        _OWN.update(files=found, items=[*library_of(takes), *items])
+    return _OWN["items"]
 
 
 def assign_from_library(material, node, identifier: str, takes: str, name: str) -> None:
@@ -62,18 +87,18 @@ class _Place:
 
     @classmethod
     def poll(cls, context) -> bool:
-        material = _material(context)
+        material = active_material(context)
         if material is None or not material.is_editable:
             cls.poll_message_set("no material that can be edited here")
             return False
         return True
 
     def target(self, context):
-        material = _material(context)
+        material = active_material(context)
         return material, material.node_tree.nodes[self.node]
 
 
-def _material(context):
+def active_material(context):
     return getattr(context, "material", None) or (context.object and context.object.active_material)
 
 
@@ -84,15 +109,19 @@ class AssignSpectrum(_Place, Operator):
     bl_label = "Spectrum"
     bl_property = "spectrum"
 
-    spectrum: EnumProperty(name="Spectrum", items=lambda self, context: _library(self.takes or places.REFLECTANCE))
+    spectrum: EnumProperty(name="Spectrum", items=_offered)
 
     def invoke(self, context, event) -> set[str]:
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
-    def execute(self, context) -> set[str]:
-        assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
-        return {"FINISHED"}
+    @reporting
+    def execute(self, context) -> None:
+        if own_spectra.is_own(self.spectrum):
+            said, warning = assign_from_file(*self.target(context), self.socket, self.takes, self.spectrum)
+            self.report({"WARNING"} if warning else {"INFO"}, warning or said)
+        else:
+            assign_from_library(*self.target(context), self.socket, self.takes, self.spectrum)
 
 
 class AssignSpectrumFile(_Place, Operator, ImportHelper):
@@ -107,23 +136,38 @@ class AssignSpectrumFile(_Place, Operator, ImportHelper):
 
     @reporting
     def execute(self, context) -> None:
-        material, node = self.target(context)
-        found = files.read(self.filepath, self.takes if self.takes == places.REFLECTANCE else "refractive index")
-        if self.takes == places.METAL:
-            n, k = _metal_in(found, Path(self.filepath))
-            _assign_metal(material, node, n, k)
-        elif self.takes == places.GLASS:
-            glass.replace(node, found[0])
-        else:
-            socket = places.socket_of(node, self.socket)
-            _assign_reflectance(material, socket, found[0])
-            from ...core.palette import beyond
+        said, warning = assign_from_file(*self.target(context), self.socket, self.takes, self.filepath)
+        if warning:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, said)
 
-            if warning := beyond(found[0], spectra.shines(socket)):
-                self.report({"WARNING"}, warning)
-        used = 2 if self.takes == places.METAL else 1
-        rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
-        self.report({"INFO"}, f"From {found[0].source}{rest}")
+
+def assign_from_file(material, node, identifier: str, takes: str, path: str) -> tuple[str, str]:
+    """Put the spectrum of a file in a place of a material -> (what was read, a warning or ""). Raises SpectrumError."""
+    found, warning = files.read(path, takes if takes == places.REFLECTANCE else "refractive index"), ""
+    if takes == places.METAL:
+        n, k = _metal_in(found, Path(path))
+        _assign_metal(material, node, n, k)
+    elif takes == places.GLASS:
+        glass.replace(node, found[0])
+    else:
+        from ...core.palette import beyond
+
+        socket = places.socket_of(node, identifier)
+        _assign_reflectance(material, socket, found[0])
+        warning = beyond(found[0], spectra.shines(socket))
+    used = 2 if takes == places.METAL else 1
+    rest = f"; the first {used} of {len(found)} spectra" if len(found) > used else ""
+    return f"From {found[0].source}{rest}", warning
+
+
+def first_place(material):
+    """(node, socket identifier, what it takes) of the place that is meant by a material's spectrum, None for none.
+
+    That is its first colour; of a material without one, its first metal or glass.
+    """
+    found = sorted(places.of(material), key=lambda place: place[2] != places.REFLECTANCE)
+    return (material.node_tree.nodes[found[0][0]], *found[0][1:]) if found else None
 
 
 def _metal_in(columns: list, path: Path) -> tuple[Spectrum, Spectrum]:
@@ -174,7 +218,7 @@ class MaterialPanel(Panel):
                 text=f"{node.label or name}: {places.socket_of(node, identifier).name}" if identifier else name
             )
             row = column.row(align=True)
-            buttons = [row.operator("relume.assign_spectrum", text=chosen or _WORDS[takes], icon="DOWNARROW_HLT")]
+            buttons = [row.operator("relume.assign_spectrum", text=chosen or said(_WORDS[takes]), icon="DOWNARROW_HLT")]
             buttons.append(row.operator("relume.assign_spectrum_file", text="", icon="FILEBROWSER"))
             if chosen:
                 buttons.append(row.operator("relume.clear_spectrum", text="", icon="X"))

@@ -1,17 +1,20 @@
 """What the mixer's buttons do."""
 
+import json
 from collections.abc import Callable
 from functools import wraps
+from pathlib import Path
 
+import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ...core.errors import RelumeError, SetupError
 from ...core.picture import drawing
-from ...core.spectra import library
+from ...core.spectra import files, library
 from ..scene import comparison, compositing, light_groups, setup
 from ..store import mixer, schema
-from . import icons
+from . import icons, own_spectra, translation
 
 __all__ = ["CLASSES", "NeedsSetUp", "reporting"]
 
@@ -44,18 +47,33 @@ def reporting(work: Callable[..., None]) -> Callable[..., set[str]]:
     return execute
 
 
-_ITEMS = []  # Blender keeps no reference to the strings
+_ITEMS, _ITEMS_IN = [], {}  # Blender keeps no reference to the strings; the language that they are in
 
 
 def _illuminants(self=None, context=None):
     """Every named illuminant with its family, icon and number, as a menu wants them."""
-    if not _ITEMS:
+    locale = bpy.app.translations.locale
+    if _ITEMS_IN.get("locale") != locale:
+        _ITEMS_IN["locale"] = locale
+        _ITEMS.clear()
         for family, names in library.illuminants().items():
             for name in names:
                 spectrum = library.illuminant(name)
                 icon = icons.swatch_and_curve(drawing.curve(spectrum).tolist(), drawing.swatch(spectrum).tolist())
-                _ITEMS.append((name, f"{name}  ({family})", family, icon, len(_ITEMS)))
-    return _ITEMS
+                _ITEMS.append((name, translation.illuminant(name), family, icon, len(_ITEMS)))
+    return [*_ITEMS, *_own_lamps()] if own_spectra.listed(own_spectra.LAMPS) else _ITEMS
+
+
+_OWN = {}  # the files, by those that were listed: Blender keeps no reference to the strings
+
+
+def _own_lamps() -> list[tuple]:
+    """The files of the user's own folder of lamps, as `_illuminants` gives its items."""
+    found = own_spectra.listed(own_spectra.LAMPS)
+    if _OWN.get("files") is not found:
+        items = [(path, f"{name}  (own)", path, 0, len(_ITEMS) + k) for k, (path, name) in enumerate(found)]
+        _OWN.update(files=found, items=items)
+    return _OWN["items"]
 
 
 class ChooseIlluminant(Operator):
@@ -75,17 +93,21 @@ class ChooseIlluminant(Operator):
         context.window_manager.invoke_search_popup(self)
         return {"INTERFACE"}
 
-    def execute(self, context) -> set[str]:
+    @reporting
+    def execute(self, context) -> None:
         row = context.scene.relume.light_groups[self.group]
-        if self.part >= 0:
-            with mixer.quiet():
-                row.blend[self.part].measured = ""
-            row.blend[self.part].illuminant = self.illuminant
-            return {"FINISHED"}
+        part = row.blend[self.part] if self.part >= 0 else None
+        name, measured = self.illuminant, ""
+        if own_spectra.is_own(name):  # a file of the user's own folder
+            name, measured = Path(name).stem, json.dumps(files.illuminant(name).to_dict())
         with mixer.quiet():
-            row.source = "LIBRARY"
-        row.illuminant = self.illuminant
-        return {"FINISHED"}
+            if part is not None:
+                part.illuminant, part.measured = name, measured
+            elif measured:
+                row.path, row.measured, row.source = self.illuminant, measured, "FILE"
+            else:
+                row.source, row.illuminant = "LIBRARY", name
+        mixer.mix_changed(row, context)
 
 
 class ChangeBlend(NeedsSetUp, Operator):

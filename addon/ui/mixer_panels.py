@@ -2,20 +2,37 @@
 
 import textwrap
 
+import bpy
+from bpy.types import Menu, UIList
+
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..store.mixer import CURVE
-from . import icons
+from . import expected, icons
+from .translation import illuminant, said
 
-__all__ = ["draw", "words"]
+__all__ = ["CLASSES", "MANY", "draw", "words"]
+
+MANY = 8  # light groups that stand one below the other; more are a list
+_ROW_BUTTONS = {
+    "relume.select_lights": "RESTRICT_SELECT_OFF",
+    "relume.copy_illuminant": "COPYDOWN",
+    "relume.paste_illuminant": "PASTEDOWN",
+    "relume.reset_mix": "LOOP_BACK",
+}
 
 
 def draw(layout, settings) -> None:
     """The mixer of a scene that is set up."""
-    for index, row in enumerate(settings.light_groups):
-        _draw_row(layout, settings, row, index)
+    if len(settings.light_groups) > MANY:
+        _draw_list(layout, settings)
+    else:
+        for index, row in enumerate(settings.light_groups):
+            _draw_row(layout, settings, row, index)
     line = layout.row(align=True)
     line.operator_menu_enum("relume.regroup", "way", text="Light Groups", icon="OUTLINER_OB_LIGHT")
     line.operator("relume.remove_empty_groups", text="", icon="BRUSH_DATA")
+    line.menu("RELUME_MT_mix", text="", icon="DOWNARROW_HLT")
+    expected.draw_mix(layout, settings)
     if settings.problem:
         words(layout, settings.problem, alert=True)
     _draw_balance(layout, settings)
@@ -23,11 +40,85 @@ def draw(layout, settings) -> None:
     _draw_output(layout, settings)
 
 
+def _draw_list(layout, settings) -> None:
+    """Many groups: a list that scrolls, and below it the group that is chosen there."""
+    layout.template_list(
+        "RELUME_UL_light_groups", "", settings, "light_groups", settings, "active_light_group", rows=6, maxrows=10
+    )
+    index = settings.active_light_group
+    if 0 <= index < len(settings.light_groups):
+        row = settings.light_groups[index]
+        box = layout.box().column(align=True)
+        box.use_property_split = False
+        icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
+        line = box.row(align=True)
+        line.label(text=row.name, translate=False)
+        _draw_level(line, row)
+        _draw_illuminant(box, settings, row, index, icon)
+        _draw_details(box, row, index, icon)
+
+
+class LightGroupList(UIList):
+    bl_idname = "RELUME_UL_light_groups"
+
+    def draw_item(self, context, layout, settings, row, icon, chosen_in, chosen) -> None:
+        icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
+        line = layout.row(align=True)
+        line.active = _sounds(settings, row)
+        shown = {"icon_value": icon} if icon else {"icon": "LIGHT"}
+        if row.name == EVERYTHING_ELSE:
+            line.label(text=row.name, **shown)
+        else:
+            line.prop(row, "name", text="", emboss=False, **shown)
+        _draw_level(line, row, unit="")
+
+
+def _sounds(settings, row) -> bool:
+    return row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
+
+
+def _draw_level(line, row, unit: str = "EV") -> None:
+    """The gain of a group with its unit, solo and mute."""
+    gain = line.row(align=True)
+    gain.ui_units_x = 8.0
+    gain.prop(row, "stops", text="")
+    if unit:
+        label = line.row(align=True)
+        label.ui_units_x = 1.3
+        label.label(text=unit)
+    line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
+    line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
+
+
+def _shining(row) -> str:
+    """What shines in a row, as people call it."""
+    if row.source == "PLANCKIAN":
+        return said("Black body {kelvin:.0f} K", kelvin=row.temperature)
+    if row.source == "DAYLIGHT":
+        return said("Daylight {kelvin:.0f} K", kelvin=row.cct)
+    if row.source == "BLEND":
+        return said("Blend of {number}", number=len(row.blend))
+    return said(row.label) if row.source == "FILE" else illuminant(row.label)
+
+
+def _draw_illuminant(box, settings, row, index: int, icon: int) -> None:
+    # The name of an illuminant can be long: it has the whole width
+    line = box.row(align=True)
+    expected.draw_dot(line, settings, row)
+    chosen = line.operator(
+        "relume.choose_illuminant",
+        text=_shining(row),
+        translate=False,
+        **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
+    )
+    chosen.group, chosen.part = index, -1
+
+
 def _draw_row(layout, settings, row, index: int) -> None:
     box = layout.box().column(align=True)
     box.use_property_split = False
     line = box.row(align=True)
-    line.active = row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
+    line.active = _sounds(settings, row)
     line.prop(row, "is_open", text="", icon="DOWNARROW_HLT" if row.is_open else "RIGHTARROW", emboss=False)
     icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
     if row.name == EVERYTHING_ELSE:
@@ -36,18 +127,8 @@ def _draw_row(layout, settings, row, index: int) -> None:
         line.prop(row, "name", text="")
     if not row.is_lit:
         line.label(text="no lights")
-    gain = line.row(align=True)
-    gain.ui_units_x = 4.2
-    gain.prop(row, "stops", text="")
-    line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
-    line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
-    # The name of an illuminant can be long: it has the whole width
-    chosen = box.operator(
-        "relume.choose_illuminant",
-        text=row.label,
-        **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
-    )
-    chosen.group, chosen.part = index, -1
+    _draw_level(line, row)
+    _draw_illuminant(box, settings, row, index, icon)
     if row.is_open:
         _draw_details(box, row, index, icon)
 
@@ -62,18 +143,21 @@ def _draw_details(box, row, index: int, icon: int) -> None:
     elif row.source == "FILE":
         box.prop(row, "path", text="")
         if row.origin:
-            words(box, f"From {row.origin}")
+            words(box, said("From {file}", file=row.origin))
     elif row.source == "BLEND":
         _draw_blend(box, row, index)
     if icon:
         box.template_icon(icon_value=icon, scale=5.0)
-    box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    line = box.row(align=True)
+    line.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    for name, sign in _ROW_BUTTONS.items():
+        line.operator(name, text="", icon=sign).group = row.name
 
 
 def _draw_blend(box, row, index: int) -> None:
     for number, part in enumerate(row.blend):
         line = box.row(align=True)
-        chosen = line.operator("relume.choose_illuminant", text=part.illuminant)
+        chosen = line.operator("relume.choose_illuminant", text=illuminant(part.illuminant), translate=False)
         chosen.group, chosen.part = index, number
         line.prop(part, "weight", text="", slider=True)
         removed = line.operator("relume.change_blend", text="", icon="REMOVE")
@@ -102,7 +186,7 @@ def _draw_balance(layout, settings) -> None:
     if settings.observer == "FILE":
         body.prop(settings, "observer_path")
         if settings.observer_origin:
-            words(body, f"From {settings.observer_origin}")
+            words(body, said("From {file}", file=settings.observer_origin))
 
 
 def _draw_snapshots(layout, settings) -> None:
@@ -121,7 +205,7 @@ def _draw_snapshots(layout, settings) -> None:
     line.operator("relume.apply_snapshot", text="Apply")
     line.operator("relume.compare", text="Stop" if settings.comparing else "Compare", depress=bool(settings.comparing))
     if settings.comparing:
-        body.label(text=f"Right of the line: {settings.comparing}")
+        body.label(text=said("Right of the line: {snapshot}", snapshot=settings.comparing), translate=False)
         body.prop(settings, "wipe", slider=True)
     body.operator("relume.write_to_lights", icon="LIGHT")
 
@@ -133,17 +217,41 @@ def _draw_output(layout, settings) -> None:
         return
     body.operator("relume.inspect", icon="EYEDROPPER")
     if settings.exr:
-        words(body, f"Lit from {settings.exr}")
+        words(body, said("Lit from {file}", file=settings.exr))
     else:
         body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
     body.operator("relume.share_as_web_page", icon="URL")
-    body.operator("relume.paste_mix", icon="PASTEDOWN")
 
 
-def words(layout, text: str, alert: bool = False, width: int = 38) -> None:
+def _columns() -> int:
+    """How many letters fit beside each other where a panel is drawn."""
+    region = bpy.context.region
+    width = region.width / bpy.context.preferences.system.ui_scale if region else 260
+    return max(16, int(width / 6.8))
+
+
+def words(layout, text: str, alert: bool = False) -> None:
     """A sentence, wrapped so that a narrow sidebar does not cut it."""
     column = layout.column(align=True)
     column.alert = alert
-    for line in textwrap.wrap(text, width):
-        column.label(text=line)
+    for line in textwrap.wrap(said(text), _columns()):
+        column.label(text=line, translate=False)
+
+
+class MixMenu(Menu):
+    bl_idname = "RELUME_MT_mix"
+    bl_label = "Mix"
+
+    def draw(self, context) -> None:
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator("relume.copy_mix", icon="COPYDOWN")
+        self.layout.operator("relume.paste_mix", icon="PASTEDOWN")
+        self.layout.separator()
+        self.layout.operator("relume.save_mix", icon="FILE_TICK")
+        self.layout.operator("relume.load_mix", icon="FILE_FOLDER")
+        self.layout.separator()
+        self.layout.operator("relume.reset_mix", icon="LOOP_BACK").group = ""
+
+
+CLASSES = (LightGroupList, MixMenu)

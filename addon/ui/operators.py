@@ -9,7 +9,8 @@ from bpy.utils import register_classes_factory
 from ...core.errors import RelumeError
 from ..host import interruption
 from ..scene import light_groups, linked, render_settings, setup
-from . import dial, files, inspector, mixer_operators, web
+from ..store import preferred
+from . import dial, files, inspector, mix_files, mixer_operators, web
 from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -72,6 +73,9 @@ class SetUpSpectralRender(Operator):
 
     def _begin(self, context) -> None:
         scene = context.scene
+        for name in ("channels", "tolerance"):  # what is preferred, which another user's Blender need not know
+            if preferred.of() is not None and not scene.relume.is_property_set(name):
+                setattr(scene.relume, name, getattr(scene.relume, name))
         self.engine, is_new = scene.render.engine, not scene.relume.is_set_up
         self.steps = light_groups.setting_up(scene, scene.relume.grouping if is_new else "KEEP")
 
@@ -144,6 +148,7 @@ CLASSES = (
     MakeLocal,
     RemoveSpectralRender,
     *mixer_operators.CLASSES,
+    *mix_files.CLASSES,
     *dial.CLASSES,
     *inspector.CLASSES,
     *files.CLASSES,

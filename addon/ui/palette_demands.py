@@ -8,6 +8,7 @@ from bpy.utils import register_classes_factory
 
 from ..store import palette, palette_tables
 from .palette_operators import OfPalette
+from .translation import said
 
 __all__ = ["CLASSES", "draw_criteria", "draw_demands", "draw_free", "draw_limits", "register", "unregister"]
 
@@ -187,7 +188,9 @@ def _draw_removal(line, what: str, index: int):
 def draw_free(layout, design, letter: str):
     """The bounds of a free colour."""
     index = design.free_colours.find(letter)
-    layout.operator("relume.palette_bound_free", text=f"Bounds of {letter}", depress=index >= 0).letter = letter
+    layout.operator(
+        "relume.palette_bound_free", text=said("Bounds of {letter}", letter=letter), depress=index >= 0
+    ).letter = letter
     if index >= 0:
         for name in ("lower", "upper"):
             layout.row(align=True).prop(design.free_colours[index], name, text="")
@@ -197,7 +200,7 @@ def draw_limits(layout, entry, kind: str):
     """What a light or a reflectance that is designed has to keep to."""
     name = "relume_palette_limits_" + kind.lower()
     header, body = layout.panel(name, default_closed=True)
-    header.label(text=f"Limits of {entry.name}")
+    header.label(text=said("Limits of {name}", name=entry.name))
     if body is None:
         return
     line = body.row(align=True)

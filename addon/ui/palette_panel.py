@@ -6,6 +6,7 @@ from bpy.utils import register_classes_factory
 from ..store import palette, palette_tables
 from . import icons, palette_demands, palette_trial
 from .mixer_panels import words
+from .translation import said
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -128,7 +129,7 @@ def _draw_selected(layout, design):
     cell = palette.cell_at(design, design.row, design.column)
     box = layout.box().column()
     box.use_property_split = False
-    box.label(text=f"{reflectance.name} under {light.name}", icon="COLOR")
+    box.label(text=said("{reflectance} under {light}", reflectance=reflectance.name, light=light.name), icon="COLOR")
     line = box.row(align=True)
     line.prop(cell, "use", expand=True)
     if cell.use == "TARGET":

@@ -4,14 +4,19 @@ import bpy
 from bpy.types import Panel
 
 from ..scene import light_groups, render_settings
-from ..store.properties import AUTO
-from . import left_out, mixer_panels, remarks_panel, report_panel
+from ..store.properties import AUTO, PREFILTERED
+from . import left_out, mixer_panels, preferences, remarks_panel, report_panel
+from .translation import said
 
 __all__ = ["CLASSES", "register", "unregister"]
 
 
 class _Relume:
     bl_label = "Relume"
+
+    def draw_header_preset(self, context) -> None:
+        self.layout.emboss = "NONE"
+        self.layout.popover(panel=preferences.PresetsPanel.bl_idname, icon="PRESET", text="")
 
     def draw(self, context) -> None:
         layout = self.layout
@@ -31,7 +36,7 @@ def _draw_introduction(layout, settings) -> None:
     _draw_choice(layout, settings)
     layout.prop(settings, "grouping")
     if settings.grouping == "LIGHT":
-        mixer_panels.words(layout, f"More than {light_groups.MOST} lights: by collection")
+        mixer_panels.words(layout, said("More than {number} lights: by collection", number=light_groups.MOST))
     row = layout.row()
     row.scale_y = 1.6
     row.operator("relume.set_up", icon="LIGHT_AREA")
@@ -44,8 +49,11 @@ def _draw_mixer(layout, settings) -> None:
         column.label(text="Spectral passes wait for Cycles", icon="PAUSE")
         column.operator("relume.use_cycles", icon="LOOP_BACK")
     else:
-        passes = f"{model.passes} pass{'es' if model.passes > 1 else ''}"
-        layout.label(text=f"F12 renders {passes} ({model.label})", icon="RENDER_STILL")
+        name = said(model.label)
+        text = said("F12 renders 1 pass ({model})", model=name)
+        if model.passes > 1:
+            text = said("F12 renders {passes} passes ({model})", passes=model.passes, model=name)
+        layout.label(text=text, icon="RENDER_STILL", translate=False)
     if plan.get("changed"):
         mixer_panels.words(layout, plan["changed"][:1].upper() + plan["changed"][1:])
     if plan.get("reason"):
@@ -65,6 +73,9 @@ def _draw_choice(layout, settings) -> None:
     if settings.channels == AUTO:
         layout.prop(settings, "tolerance")
         layout.prop(settings, "switching")
+    elif settings.channels == PREFILTERED:
+        layout.prop(settings, "dominant_group", icon="LIGHT")
+        layout.prop(settings, "rendering_space")
     layout.prop(settings, "split_samples")
 
 
@@ -91,7 +102,15 @@ class RenderPanel(_Relume, Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
 
-CLASSES = (SidebarPanel, ImagePanel, RenderPanel, *left_out.CLASSES, *report_panel.CLASSES, *remarks_panel.CLASSES)
+CLASSES = (
+    *mixer_panels.CLASSES,
+    SidebarPanel,
+    ImagePanel,
+    RenderPanel,
+    *left_out.CLASSES,
+    *report_panel.CLASSES,
+    *remarks_panel.CLASSES,
+)
 
 
 def register() -> None:

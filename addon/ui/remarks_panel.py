@@ -4,6 +4,7 @@ from ..graph import sockets
 from ..store.remarks import REMARKS, of
 from .mixer_panels import words
 from .panel_places import in_both_places
+from .translation import said
 
 __all__ = ["CLASSES"]
 
@@ -33,7 +34,7 @@ class _Remarks:
                 row.active = False
                 row.label(text=f"{remark.owner} › {remark.node}" if remark.node else remark.owner, icon="DOT")
             if len(remarks) > _SHOWN:
-                box.label(text=f"and {len(remarks) - _SHOWN} more")
+                box.label(text=said("and {number} more", number=len(remarks) - _SHOWN))
             if sockets.can_be_made_local(remarks[0]):
                 box.operator("relume.make_local", icon="UNLINKED")
 

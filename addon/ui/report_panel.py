@@ -9,6 +9,7 @@ from bpy.types import Operator
 from ..cli import background
 from . import mixer_panels
 from .panel_places import in_both_places
+from .translation import said
 
 __all__ = ["CLASSES", "end"]
 
@@ -86,6 +87,7 @@ class StopReport(Operator):
 
 class _Report:
     bl_label = "Report"
+    bl_translation_context = "Relume"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 101
 
@@ -99,7 +101,7 @@ class _Report:
         if report is None:
             mixer_panels.words(layout, "Error against run time of this scene, for every model.")
         elif not report.rows:
-            mixer_panels.words(layout, f"Report: {report.words}", alert=True)
+            mixer_panels.words(layout, said("Report: {words}", words=report.words), alert=True)
         else:
             _draw_rows(layout, report)
 

@@ -1,6 +1,5 @@
-"""Share as Web Page, and the mix that comes back from one."""
+"""Share as Web Page. The mix that comes back from one: Paste Mix in `mix_files`."""
 
-import argparse
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,13 +8,10 @@ import numpy as np
 from bpy.props import FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from ...core.errors import UsageError
 from ...core.picture.coefficients import CoefficientImage
-from ..cli import arguments, jobs
 from ..cli.arguments import QUALITIES, SIZES
 from ..cli.web import plain_name, shown
 from ..scene import render
-from ..store import mixer
 from . import inspector
 from .mixer_operators import NeedsSetUp, reporting
 
@@ -78,47 +74,6 @@ class ShareAsWebPage(NeedsSetUp, Operator):
             webbrowser.open(path.absolute().as_uri())
 
 
-class PasteMix(NeedsSetUp, Operator):
-    """Take over a mix that was copied from a web page: the words of Copy Mix"""
-
-    bl_idname = "relume.paste_mix"
-    bl_label = "Paste Mix"
-
-    words: StringProperty(description="A mix; empty: what was copied", options={"HIDDEN", "SKIP_SAVE"})
-
-    @reporting
-    def execute(self, context) -> None:
-        settings = context.scene.relume
-        pasted = _pasted(self.words or context.window_manager.clipboard)
-        image = render.described(context.scene)
-        lights = jobs.lights_of(replace(image, groups=dict.fromkeys(image.illuminants)), pasted.light)
-        with mixer.quiet():
-            for words in pasted.light:
-                group, _, what = words.rpartition("=")
-                row = settings.light_groups[group]
-                parts = arguments.blend(what.partition("*")[0])
-                if parts:
-                    row.blend.clear()
-                    for name, weight in parts:
-                        part = row.blend.add()
-                        part.illuminant, part.weight = name, weight
-                    row.source = "BLEND"
-                else:
-                    row.source, row.illuminant = "LIBRARY", lights[group].illuminant.name
-                row.solo, row.gain = False, lights[group].gain
-            if pasted.white is not None:
-                settings.white_balance = pasted.white
-        mixer.mix_changed(settings, context)
-
-
-def _pasted(text: str) -> argparse.Namespace:
-    """What the words of `relume relight --mix` say, as its options. Raises UsageError."""
-    try:
-        return arguments.mix(text)
-    except argparse.ArgumentTypeError:
-        raise UsageError("what was copied is not a mix: expected --light 'GROUP=ILLUMINANT*GAIN' …") from None
-
-
 def _image(context) -> CoefficientImage:
     """The coefficient image that a scene shows now, lit as its mixer says. Raises CoefficientImageError."""
     scene = context.scene
@@ -133,4 +88,4 @@ def _image(context) -> CoefficientImage:
     return replace(render.described(scene), groups=groups, alpha=np.ones(shape, np.float32))
 
 
-CLASSES = (ShareAsWebPage, PasteMix)
+CLASSES = (ShareAsWebPage,)

@@ -9,14 +9,13 @@ from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..colour import spaces
 from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 from . import filters as filter_files
-from . import relight
+from . import relight, sharpening
 from .factor_model import REFERENCE_CHANNELS, FactorModel, ModelError
 from .rules import Diagonal, Fitted, Reconstructed
 
@@ -83,8 +82,8 @@ def bands(channels: int = 36) -> FactorModel:
 def fitted(channels: int = 9) -> FactorModel:
     """Non-negative filters optimised for products of one to three bounces; the default model.
 
-    Optimised filters ship for 3, 5, 6, 7, 9, 12 and 15 channels; other numbers get adjoining bands
-    weighted by the colour matching functions.
+    Optimised filters ship for 3, 5, 6, 7, 9, 12, 15, 18, 21 and 24 channels, those from 18 on for gels, LEDs and
+    saturated paints as well; other numbers get adjoining bands weighted by the colour matching functions.
 
     >>> model = fitted(9)
     >>> model.passes, model.filters.shape
@@ -103,99 +102,35 @@ def sharpened(
     reflectances: Sequence[Spectrum] | None = None,
     intervals: Sequence[Limits] | None = None,
     limits: Limits = (380, 780),
-    outside: str = "energy",
 ) -> FactorModel:
     """Sharpened principal components of colour signals, spectra rebuilt by the pseudo-inverse [DF].
 
-    method: "lagrange", unit energy inside each interval and least outside ([DF] eq. 11), or "nonnegative", unit area
-    inside and least outside with non-negative filters ([DF] eq. 12). lights, reflectances: lists of Spectrum, by
-    default CIE daylights and A, and the CES. intervals: (low, high) in nm for each channel, by default equal parts of
-    `limits`, also in nm, outside which filters vanish. outside: what "nonnegative" has least of there, "energy" (a
-    quadratic programme) or "area" (a linear one).
+    method: "lagrange", least energy outside each interval for unit L2 norm ([DF] eq. 11), or "nonnegative", the same
+    with filters that are nowhere negative ([DF] eq. 12). lights, reflectances: lists of Spectrum, by default CIE
+    daylights and A, and the CES. intervals: (low, high) in nm for each channel, by default equal parts of `limits`,
+    also in nm, outside which filters vanish. The paper's own 31 samples are in `studies/multispectral.py`.
     Raises ModelError, also where the colour signals have fewer than `channels` independent components.
     """
     _check_channels(channels)
-    if method not in ("lagrange", "nonnegative"):
-        raise ModelError(f"no sharpening method {method!r}: choose lagrange or nonnegative")
-    if outside not in ("energy", "area"):
-        raise ModelError(f"no measure {outside!r} of what lies outside: choose energy or area")
     lights = lights or [library.illuminant(name) for name in ("A", "D50", "D55", "D65", "D75")]
-    reflectances = reflectances or library.reflectances("ces")
-    basis = _principal_components(channels, lights, reflectances, limits)
+    signals = _colour_signals(lights, reflectances or library.reflectances("ces"))
+    within = (limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS)
+    basis = sharpening.principal_components(signals * within, channels) * within[:, None]
     if intervals is None:
         edges = np.linspace(*limits, channels + 1)
         intervals = list(zip(edges[:-1], edges[1:], strict=True))
-    if len(intervals) != channels:
-        raise ModelError(f"{channels} channels need {channels} intervals, not {len(intervals)}")
-    columns = []
-    for low, high in intervals:
-        inside = (low <= WAVELENGTHS) & (high >= WAVELENGTHS)
-        if not inside.any():
-            raise ModelError(f"the interval {low:g} to {high:g} nm holds none of the wavelengths, 5 nm apart")
-        if method == "lagrange":
-            # Least energy outside for unit energy overall: the basis is orthonormal, so the smallest eigenvector.
-            weights = np.linalg.eigh(basis[~inside].T @ basis[~inside])[1][:, 0]
-        elif outside == "energy":
-            weights = _least_energy(basis, inside)
-        else:
-            weights = _least_area(basis, inside)
-        column = basis @ weights
-        columns.append(column / column.sum())
-    filters = np.stack(columns, axis=1)
-    if method == "nonnegative":
-        # The programmes keep their constraints to some 1e-12 only.
-        filters = np.maximum(filters, 0)
-        filters /= filters.sum(axis=0)
+    filters = sharpening.sharpened(basis, WAVELENGTHS, list(intervals), method)
     name = f"sharpened {method}"
     return FactorModel(name, WAVELENGTHS, filters, rule=Reconstructed(np.linalg.pinv(filters.T)))
 
 
-def _principal_components(
-    count: int, lights: Sequence[Spectrum], reflectances: Sequence[Spectrum], limits: Limits
-) -> Array:
-    """The first left singular vectors (81, count) of all lights times all reflectances. Raises ModelError."""
+def _colour_signals(lights: Sequence[Spectrum], reflectances: Sequence[Spectrum]) -> Array:
+    """All lights, each with a peak of 1, times all reflectances -> (m, 81). Raises ModelError."""
     power = np.stack([light.sampled() for light in lights])
     if not (power.max(axis=1) > 0).all():
         raise ModelError(f"{lights[int(np.argmin(power.max(axis=1)))].name or 'a light'} has no power in 380 to 780 nm")
     power /= power.max(axis=1, keepdims=True)
-    signals = (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
-    within = (limits[0] <= WAVELENGTHS) & (limits[1] >= WAVELENGTHS)
-    components, strengths, _ = np.linalg.svd((signals * within).T, full_matrices=False)
-    rank = int((strengths > 1e-3 * strengths[0]).sum())
-    if count > rank:
-        raise ModelError(f"these colour signals have {rank} independent components above 0.1 %, not {count}")
-    return components[:, :count] * within[:, None]
-
-
-def _least_energy(basis: Array, inside: NDArray[np.bool_]) -> Array:
-    """The t of least |basis t| outside, with basis t >= 0 and unit sum inside (least distance programming).
-
-    C. L. Lawson, R. J. Hanson, "Solving least squares problems" (1974), chapter 23.
-    """
-    from scipy.optimize import nnls
-
-    gram = basis[~inside].T @ basis[~inside]
-    factor = np.linalg.cholesky(gram + 1e-12 * np.trace(gram) * np.eye(len(gram)))
-    positive = basis[basis.any(axis=1)]
-    constraints = np.linalg.solve(factor, np.concatenate([positive, basis[inside].sum(axis=0)[None]]).T)
-    bounds = np.zeros(constraints.shape[1])
-    bounds[-1] = 1
-    dual = np.concatenate([constraints, bounds[None]])
-    residual = dual @ nnls(dual, np.eye(len(dual))[-1], maxiter=100 * dual.shape[1])[0] - np.eye(len(dual))[-1]
-    return np.linalg.solve(factor.T, -residual[:-1] / residual[-1])
-
-
-def _least_area(basis: Array, inside: NDArray[np.bool_]) -> Array:
-    """The t of least sum of basis t outside, with basis t >= 0 and unit sum inside (linear programming)."""
-    from scipy.optimize import linprog
-
-    equal = basis[inside].sum(axis=0)[None]
-    result = linprog(
-        basis[~inside].sum(axis=0), A_ub=-basis, b_ub=np.zeros(len(basis)), A_eq=equal, b_eq=[1], bounds=(None, None)
-    )
-    if result.x is None:
-        raise ModelError(f"no non-negative filter has any part in {WAVELENGTHS[inside]} nm: {result.message}")
-    return result.x
+    return (power[:, None, :] * np.stack([s.sampled() for s in reflectances])).reshape(-1, WAVELENGTHS.size)
 
 
 def scene(
@@ -204,6 +139,7 @@ def scene(
     illuminants: Sequence[Spectrum],
     exact: bool | None = None,
     lobes: bool = False,
+    rule: type[Fitted] = Fitted,
 ) -> FactorModel:
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
@@ -211,7 +147,8 @@ def scene(
     there are at least 6 channels for each. Exactness costs accuracy of further bounces, and most of all where filters
     are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
     further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
-    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. Raises ModelError.
+    other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. rule: `Direct` where light
+    is reflected once. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:
@@ -227,7 +164,7 @@ def scene(
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
     with optimise.one_thread():
-        task = optimise.Task.of(*training.with_general(own, part=8), power)
+        task = optimise.Task.of(*training.with_general(own, rule.bounces, part=8), power)
         weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
         found: Array | None = filters
@@ -243,7 +180,7 @@ def scene(
             "no filters found that are exact for these illuminants and keep the scene's coefficients positive; "
             "try exact=False"
         )
-    return FactorModel("scene", WAVELENGTHS, found, Fitted(own))
+    return FactorModel("scene", WAVELENGTHS, found, rule(own))
 
 
 @cache

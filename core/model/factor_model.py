@@ -14,8 +14,8 @@ import numpy as np
 from ..errors import ModelError
 from ..spectra import library
 from ..spectra.arrays import Array, ArrayLike, numbers, resampled
-from ..spectra.spectrum import Spectrum, SpectrumError
-from . import relight
+from ..spectra.spectrum import WAVELENGTHS, Spectrum, SpectrumError
+from . import integration, relight
 from .rules import RULES, Fitted, Rule
 from .training import Training
 
@@ -128,15 +128,14 @@ class FactorModel:
         >>> white.round(2)
         array([1.1 , 1.  , 0.36])
         """
-        return self.rule.matrix(self, relight.power_weights(self._sampled(illuminant), self._observer(observer)))
+        return self.rule.matrix(self, self._weights(illuminant, observer))
 
     def emission(self, illuminant: Spectra, reference: Spectra, observer: Observer = library.OBSERVER) -> Array:
         """Coefficients (p,) of a light of this `illuminant` whose light group is relit by `reference`.
 
         A perfect white has Y = 1 under it. All ones where the two are the same. Raises as `relight` does.
         """
-        power, cmfs = self._sampled(illuminant), self._observer(observer)
-        weights, other = (relight.power_weights(light, cmfs) for light in (power, self._sampled(reference)))
+        weights, other = (self._weights(light, observer) for light in (illuminant, reference))
         if np.allclose(weights, other, rtol=0, atol=1e-12):
             return np.ones(self.channels)
         return relight.emitter(self.training, self.training_coefficients, self.rule.matrix(self, other), weights)
@@ -191,6 +190,15 @@ class FactorModel:
         if not np.isfinite(values).all():
             raise SpectrumError("spectra must be finite numbers")
         return values
+
+    def _weights(self, illuminant: Spectra, observer: Observer) -> Array:
+        """(n, 3) power weights of a light: integrated where it is measured more finely than the grid."""
+        on_grid = np.array_equal(self.wavelengths, WAVELENGTHS)
+        if on_grid and isinstance(illuminant, Spectrum) and integration.is_finer(illuminant):
+            power = illuminant.sampled()
+            relight.power_weights(power, library.observer())  # raises SpectrumError where it cannot be seen
+            return relight.scaled(integration.light_weights(illuminant, observer) / np.abs(power).max())
+        return relight.power_weights(self._sampled(illuminant), self._observer(observer))
 
     def _observer(self, observer: Observer) -> Array:
         if isinstance(observer, str):

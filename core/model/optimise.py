@@ -22,16 +22,21 @@ import numpy as np
 from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS
+from . import extremes, relight, training
 from . import filters as filter_files
-from . import relight, training
 from .training import Training
 
 __all__ = ["Task", "exact_filters", "main", "one_thread", "optimised", "scene_filters"]
 
-CHANNELS = (3, 5, 6, 7, 9, 12, 15)
+CHANNELS = (3, 5, 6, 7, 9, 12, 15, 18, 21, 24)
 BOUNCES = (1.0, 0.2, 0.15)  # how much products of 1, 2 and 3 reflectances count
 BOUNCES_OF_FEW = (1.0, 0.4, 0.4)  # the same for up to 6 channels, whose products stray more
-STARTS = 24
+# From 18 channels on ordinary surfaces and lights leave nothing to gain: gels, saturated paints and LEDs count as well
+FOR_EXTREMES = 18
+EXTREMES = 0.3
+# Starts, how many of them are finished, iterations of each and of a finish; the more channels, the less they differ
+EFFORT = (24, 5, 250, 2500)
+EFFORTS = {18: (8, 2, 250, 2500), 21: (8, 2, 83, 833), 24: (8, 2, 83, 833)}
 SCENE_WORK = 40_000_000  # iterations times products times lights times channels: one to two seconds
 SCENE_ITERATIONS = 4000
 EXACT_ITERATIONS = 2000
@@ -50,12 +55,16 @@ class Task:
     white: Array
 
     @classmethod
-    def of(cls, reflectances: Array, drawn: Training, illuminants: Array) -> "Task":
-        """Products `drawn` (Training) from reflectances (m, n), under illuminants (e, n) in equal shares."""
+    def of(cls, reflectances: Array, drawn: Training, illuminants: Array, shares: Array | None = None) -> "Task":
+        """Products `drawn` (Training) from reflectances (m, n), under illuminants (e, n).
+
+        shares: (e,) how much each illuminant counts, of sum 1; by default all the same.
+        """
         cmfs = library.observer()
         weights = np.stack([relight.power_weights(illuminant, cmfs) for illuminant in illuminants])
         truth, metric, white = relight.targets(drawn, weights)
-        return cls(reflectances, drawn, truth, metric / len(illuminants), white)
+        shares = np.full(len(illuminants), 1 / len(illuminants)) if shares is None else shares
+        return cls(reflectances, drawn, truth, metric * shares[:, None, None], white)
 
     def error(self, filters: Array, matrices: Array | None = None) -> tuple[float, Array, Array]:
         """Mean squared difference of the products in units of CIEDE2000, by the best matrices or those given (e, 3, p).
@@ -176,24 +185,36 @@ def _minimised(error: Callable[..., tuple], start: list[Array], iterations: int)
     return split(result.x), float(result.fun)
 
 
-def general_task(channels: int) -> Task:
-    """What the shipped filters are made for: the general training set under the CIE illuminants."""
+def general_task(channels: int, weight: float | None = None) -> Task:
+    """What the shipped filters are made for: the general training set under the CIE illuminants, and where there are
+    channels enough gels, saturated paints and LEDs.
+
+    weight: how much these count, of surfaces and of lights, where all others count 1.
+    """
+    weight = (EXTREMES if channels >= FOR_EXTREMES else 0.0) if weight is None else weight
     bounces = BOUNCES if channels > 6 else BOUNCES_OF_FEW
     names = [name for family in library.cie_illuminants().values() for name in family]
     spectra = training.reflectances()
     illuminants = np.stack([library.illuminant(name).sampled() for name in names])
-    return Task.of(spectra, training.products(spectra, bounces, most=500), illuminants)
+    if weight == 0.0:
+        return Task.of(spectra, training.products(spectra, bounces, most=500), illuminants)
+    kinds = extremes.lights()
+    shares = [np.full(len(illuminants), 1 / len(illuminants))]
+    shares += [np.full(len(kind), weight / len(kinds) / len(kind)) for kind in kinds]
+    counted = np.concatenate(shares) / (1 + weight)
+    return Task.of(*training.with_extremes(bounces, weight), np.concatenate([illuminants, *kinds]), counted)
 
 
-def make_filters(channels: int, task: Task, starts: int = STARTS) -> tuple[Array, float]:
+def make_filters(channels: int, task: Task) -> tuple[Array, float]:
     """The best filters (81, p) found for `task` from several starts, by their mean wavelength, and their error."""
+    starts, kept, first, last = EFFORTS.get(channels, EFFORT)
     random = np.random.default_rng(channels)
     tries = []
     for number in range(starts):
         start = filter_files.start_filters(channels, random if number else None)
-        tries.append(optimised(start, task, 250))
+        tries.append(optimised(start, task, first))
     tries.sort(key=lambda attempt: attempt[1])
-    finished = [optimised(filters, task, 2500) for filters, _ in tries[:5]]
+    finished = [optimised(filters, task, last) for filters, _ in tries[:kept]]
     filters, error = min(finished, key=lambda attempt: attempt[1])
     return filters[:, np.argsort(WAVELENGTHS @ filters)], error
 
@@ -223,19 +244,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--channels", type=int, nargs="+", default=CHANNELS, metavar="P")
     parser.add_argument("--out", type=Path, default=filter_files.SHIPPED)
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes at a time")
+    words = "how much gels, paints and LEDs count; default: 0, and 0.3 from 18 channels on"
+    parser.add_argument("--extremes", type=float, metavar="WEIGHT", help=words)
     options = parser.parse_args(argv)
     filters = {}
     with ProcessPoolExecutor(options.jobs) as pool:
-        for channels, made in zip(options.channels, pool.map(_made, options.channels), strict=True):
+        made_one = partial(_made, weight=options.extremes)
+        for channels, made in zip(options.channels, pool.map(made_one, options.channels), strict=True):
             filters[channels] = made
             filter_files.write_filters(options.out, dict(sorted(filters.items())))
     return 0
 
 
-def _made(channels: int) -> Array:
+def _made(channels: int, weight: float | None = None) -> Array:
     with one_thread():
-        filters, error = make_filters(channels, general_task(channels))
-    print(f"p = {channels}: mean squared error {error:.6f}, from {STARTS} starts", flush=True)
+        filters, error = make_filters(channels, general_task(channels, weight))
+    print(f"p = {channels}: mean squared error {error:.6f}", flush=True)
     return filters
 
 

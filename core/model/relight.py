@@ -22,6 +22,7 @@ __all__ = [
     "fitted_matrices",
     "power_weights",
     "reconstructed_matrix",
+    "scaled",
     "targets",
     "with_exact_lights",
 ]
@@ -43,7 +44,14 @@ def power_weights(illuminant: ArrayLike, cmfs: Array) -> Array:
     peak = np.abs(illuminant).max(initial=0)
     if not peak > 0:
         raise SpectrumError("the illuminant has no power between 380 and 780 nm")
-    weights = (illuminant / peak)[:, None] * cmfs
+    return scaled((illuminant / peak)[:, None] * cmfs)
+
+
+def scaled(weights: Array) -> Array:
+    """Weights (n, 3), a light times matching functions, scaled so that a perfect white has Y = 1 -> (n, 3).
+
+    Raises SpectrumError for a light that cannot be seen.
+    """
     luminance = weights[:, 1].sum()
     # Light that is negative in parts may be invisible but for rounding, as a metameric black is.
     if not luminance > 1e-9 * np.abs(weights).sum():

@@ -17,7 +17,7 @@ from . import relight, training
 if TYPE_CHECKING:
     from .factor_model import FactorModel
 
-__all__ = ["RULES", "Diagonal", "Fitted", "Reconstructed", "Rule"]
+__all__ = ["RULES", "Diagonal", "Direct", "Fitted", "Reconstructed", "Rule"]
 
 
 class Rule(ABC):
@@ -70,6 +70,7 @@ class Fitted(Rule):
 
     kind = "fitted"
     array = "reflectances"
+    bounces: ClassVar[tuple[float, ...]] = (1.0, 2.0, 3.0)  # how much products of 1, 2 and 3 of the scene's count
     reflectances: Array | None = None
 
     def check(self, model: "FactorModel") -> None:
@@ -86,7 +87,16 @@ class Fitted(Rule):
         return relight.fitted_matrices(model.training_coefficients, *relight.targets(model.training, weights[None]))[0]
 
     def training(self, wavelengths: Array) -> tuple[Array, training.Training]:
-        return training.general() if self.reflectances is None else training.with_general(self.reflectances)
+        own = self.reflectances
+        return training.general() if own is None else training.with_general(own, self.bounces)
+
+
+@dataclass(frozen=True, eq=False)
+class Direct(Fitted):
+    """The same for a scene in which light is reflected once, and seldom more."""
+
+    kind = "direct"
+    bounces = (1.0, 0.3, 0.1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +115,8 @@ class Reconstructed(Rule):
         return relight.reconstructed_matrix(model.basis, weights)
 
     def label(self, model: "FactorModel") -> str:
+        if model.channels == model.wavelengths.size:
+            return f"exact, {model.channels} channels"
         return f"the reference, {model.channels} bands" if model.is_reference else super().label(model)
 
     def reordered(self, order: list[int]) -> Rule:
@@ -139,5 +151,5 @@ class Diagonal(Rule):
 
 
 RULES: dict[str, type[Fitted] | type[Reconstructed] | type[Diagonal]] = {
-    rule.kind: rule for rule in (Fitted, Reconstructed, Diagonal)
+    rule.kind: rule for rule in (Fitted, Direct, Reconstructed, Diagonal)
 }

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS
+from . import extremes
 
-__all__ = ["Training", "general", "products", "reflectances", "with_general"]
+__all__ = ["Training", "general", "products", "reflectances", "with_extremes", "with_general"]
 
 SETS = ("ces", "colorchecker", "tcs", "cqs")
 SEED = 20031103
@@ -71,6 +72,33 @@ def with_general(
         np.concatenate([mine.products, others.products]),
         mine.factors + tuple(chosen + len(own) for chosen in others.factors),
         np.concatenate([share * mine.weights, (1 - share) * others.weights]),
+    )
+
+
+def with_extremes(bounces: Sequence[float], share: float, most: int = 500) -> tuple[Array, Training]:
+    """The general products and, with `share` of their weight besides, those of gels and saturated paints.
+
+    Of these come films and paints alone, surfaces under films, and three paints one after the other, of them or of the
+    general ones. -> all the reflectances (m + ..., 81), Training.
+    """
+    random = np.random.default_rng(SEED)
+    own, gels, paints = reflectances(), extremes.gels(), extremes.paints()
+    base = products(own, bounces, most)
+    films = len(own) + np.arange(len(gels))
+    strong = films[-1] + 1 + np.arange(len(paints))
+    every, under = np.concatenate([np.arange(len(own)), strong]), most // 2
+    parts = {
+        0.4: films[:, None],
+        0.1: strong[:, None],
+        0.3: np.stack([random.choice(films, under), random.choice(every, under)], axis=1),
+        0.2: np.stack([random.choice(each, under) for each in (strong, every, strong)], axis=1),
+    }
+    spectra = np.concatenate([own, gels, paints])
+    more = [spectra[chosen].prod(axis=1) for chosen in parts.values()]
+    weights = [np.full(len(chosen), share * part / len(chosen)) for part, chosen in parts.items()]
+    total = np.concatenate([base.weights, *weights])
+    return spectra, Training(
+        np.concatenate([base.products, *more]), base.factors + tuple(parts.values()), total / total.sum()
     )
 
 

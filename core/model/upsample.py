@@ -10,7 +10,7 @@ from ..spectra import library
 from ..spectra.arrays import Array, ArrayLike
 from .factor_model import FactorModel, ModelError
 
-__all__ = ["RGB_SPACES", "filter_difference", "is_outside_rec709", "rgb_matrix", "rgb_to_xyz"]
+__all__ = ["RGB_SPACES", "filter_difference", "is_outside_rec709", "rgb_matrix", "rgb_spectra", "rgb_to_xyz"]
 
 
 @cache
@@ -34,6 +34,20 @@ def rgb_matrix(model: FactorModel, space: str = REC709) -> Array:
     matrix = basic @ np.linalg.solve(rgb_to_xyz(), rgb_to_xyz(space))
     matrix.setflags(write=False)
     return matrix
+
+
+@cache
+def rgb_spectra(space: str = REC709) -> Array:
+    """(81, 3), read-only: the spectra that RGB colours truly have, whatever the model, are mixtures of these columns.
+
+    Those that the reference gives them: they come back exactly under D65, and rows sum to 1.
+    """
+    from . import bases
+
+    reference = bases.bands()
+    spectra = reference.reconstruct(rgb_matrix(reference, space).T).T
+    spectra.setflags(write=False)
+    return spectra
 
 
 @cache
@@ -95,7 +109,7 @@ def _primaries(model: FactorModel) -> Array:
     smooth = library.colour_science().recovery.MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
     reference = bases.bands()
     if model is not reference and np.array_equal(model.wavelengths, reference.wavelengths):
-        return reference.reconstruct(_rec709_matrix(reference).T).T
+        return rgb_spectra()
     values = np.stack([np.interp(model.wavelengths, smooth.wavelengths, column) for column in smooth.values.T], axis=1)
     return values / values.sum(axis=1, keepdims=True)
 

@@ -8,6 +8,7 @@ import numpy as np
 from ..model.factor_model import FactorModel
 from ..spectra.library import OBSERVER
 from ..spectra.spectrum import Spectrum
+from .content import Content
 from .mix import Light, Mix
 from .recombination import recombination_matrices
 
@@ -23,7 +24,8 @@ class CoefficientImage:
 
     groups: light group -> (height, width, p) float32. illuminants: light group -> what lit it. alpha: (height, width).
     view: how Blender would show it (`view_transform`, `look`, `exposure`, `gamma`), an empty mapping for plain sRGB.
-    white, observer: as `mix.Mix` takes them. One that only describes has neither groups nor pixels.
+    white, observer: as `mix.Mix` takes them. shows: the surfaces of the scene, by which errors are expected; None where
+    nobody said. One that only describes has neither groups nor pixels.
     """
 
     model: FactorModel
@@ -37,6 +39,7 @@ class CoefficientImage:
     gains: Mapping[str, float] = field(default_factory=dict)
     white: tuple[float, float, float] | None = None
     observer: str | tuple[Spectrum, Spectrum, Spectrum] = OBSERVER
+    shows: Content | None = None
 
     @property
     def size(self) -> tuple[int, int]:

@@ -9,7 +9,7 @@ from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
 
-__all__ = ["circle", "curve", "icon", "lines", "patch", "plot", "ribbon", "swatch"]
+__all__ = ["circle", "curve", "dot", "icon", "lines", "paint", "patch", "plot", "ribbon", "swatch"]
 
 _OVERSAMPLING = 2
 
@@ -21,10 +21,30 @@ def swatch(illuminant: Spectrum) -> Array:
     return srgb_encoded(rgb / rgb.max()) if rgb.max() > 0.0 else np.zeros(3)
 
 
+def paint(reflectance: Spectrum) -> Array:
+    """(3,) colour of a reflectance in D65, sRGB 0..1; what the display cannot show is clipped."""
+    seen = library.illuminant("D65").sampled()[:, None] * library.observer()
+    rgb = np.linalg.solve(rgb_to_xyz(), reflectance.sampled() @ seen / seen[:, 1].sum())
+    return srgb_encoded(np.clip(rgb, 0.0, 1.0))
+
+
 def curve(spectrum: Spectrum) -> Array:
     """(81,) values of a spectrum on `WAVELENGTHS`, its highest 1."""
     values = np.maximum(spectrum.sampled(), 0.0)
     return values / values.max() if values.max() > 0.0 else values
+
+
+_DOTS = {"green": ((0.26, 0.72, 0.33), 0.24), "yellow": ((0.95, 0.76, 0.13), 0.32), "red": ((0.93, 0.25, 0.2), 0.4)}
+
+
+def dot(level: str, size: int = 32) -> Array:
+    """(size, size, 4) sRGB float32: a disc, green, yellow or red by `level`; the worse, the larger."""
+    colour, radius = _DOTS[level]
+    fine = size * _OVERSAMPLING
+    places = (np.arange(fine) + 0.5) / fine - 0.5
+    inside = np.hypot(places, places[:, None]) < radius
+    picture = inside[..., None] * np.array([*colour, 1.0])  # alpha is multiplied in, as Blender's icons have it
+    return _reduced(picture).astype(np.float32)
 
 
 def _heights(values: Array, width: int) -> Array:

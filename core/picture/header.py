@@ -22,6 +22,7 @@ from ..spectra import library
 from ..spectra.library import OBSERVER
 from ..spectra.spectrum import Spectrum
 from .coefficient_image import CoefficientImage
+from .content import Content, kept
 
 __all__ = ["LARGEST_GAIN", "VERSION", "check", "decoded", "parse", "to_dict"]
 
@@ -60,12 +61,23 @@ class View(Struct):
     gamma: Gamma | None = None
 
 
+class Shows(Struct):
+    """What the scene shows, as `Content` has it."""
+
+    bounces: Annotated[int, Meta(ge=0, le=1024)]
+    space: Name
+    shares: Annotated[list[Gain], Meta(max_length=1000)]
+    reflectances: Annotated[list[SpectrumText], Meta(max_length=1000)] = []
+    colours: Annotated[list[White], Meta(max_length=1000)] = []
+    textures: Gain = 0.0
+
+
 class _Version(Struct):
     version: Annotated[int, Meta(ge=1, le=1_000_000)]
 
 
 class _Description(Struct):
-    """Version 1. `layers` and `mix` are a sidecar's."""
+    """Version 1. `layers` and `mix` are a sidecar's; older files do not say what a scene `shows`."""
 
     model: dict[str, Name | list[float | list[float]]]
     groups: Annotated[list[Name], Meta(min_length=1, max_length=1000)]
@@ -79,11 +91,13 @@ class _Description(Struct):
     observer: Name | Annotated[list[SpectrumText], Meta(min_length=3, max_length=3)] = OBSERVER
     layers: dict[str, list[Name]] = {}
     mix: Name = ""
+    shows: Shows | None = None
 
 
 def to_dict(image: CoefficientImage, groups: Iterable[str] | None = None) -> dict[str, Any]:
     """The description of an image as JSON has it. groups: its light groups, where the image has no pixels."""
     groups = list(image.groups if groups is None else groups)
+    shows = {} if image.shows is None else {"shows": _shown(image.shows)}
     return {
         "version": VERSION,
         "model": image.model.to_dict(),
@@ -96,6 +110,19 @@ def to_dict(image: CoefficientImage, groups: Iterable[str] | None = None) -> dic
         "view": dict(image.view),
         "white": image.white,
         "observer": image.observer if isinstance(image.observer, str) else [one.to_dict() for one in image.observer],
+        **shows,
+    }
+
+
+def _shown(content: Content) -> dict[str, Any]:
+    content = kept(content)
+    return {
+        "bounces": content.bounces,
+        "space": content.space,
+        "shares": [round(float(share), 6) for share in content.parts],
+        "reflectances": [spectrum.to_dict() for spectrum in content.reflectances],
+        "colours": np.round(content.rgb, 6).tolist(),
+        "textures": round(content.textures, 6),
     }
 
 
@@ -126,6 +153,7 @@ def parse(text: str) -> tuple[CoefficientImage, Mapping[str, tuple[str, ...]], s
         white=found.white,
         observer=_observer(found.observer),
     )
+    image = replace(image, shows=_content(found.shows, list(image.illuminants.values())))
     check(image)
     return image, {source: tuple(layers) for source, layers in found.layers.items()}, found.mix
 
@@ -191,6 +219,20 @@ def _spectrum(field: str, text: SpectrumText) -> Spectrum:
         return Spectrum.from_dict(msgspec.structs.asdict(text))
     except RelumeError as error:
         raise CoefficientImageError(f"{field}: {error}") from None
+
+
+def _content(text: Shows | None, lights: list[Spectrum]) -> Content | None:
+    if text is None:
+        return None
+    if text.space not in RGB_SPACES:
+        raise CoefficientImageError(f"shows, space: expected one of {', '.join(RGB_SPACES)}, got {text.space!r}")
+    reflectances = [_spectrum("shows, reflectances", one) for one in text.reflectances]
+    try:
+        return Content(
+            reflectances, text.colours, text.shares, text.textures, lights, bounces=text.bounces, space=text.space
+        )
+    except RelumeError as error:
+        raise CoefficientImageError(f"shows: {error}") from None
 
 
 def _observer(text: str | list[SpectrumText]) -> str | tuple[Spectrum, Spectrum, Spectrum]:

@@ -1,71 +1,34 @@
 """Which model a scene needs, and what it can leave out.
 
-Pixels of the scene are simulated: a surface that the camera sees, light that was reflected up to a number of times,
-each light group's share in it. What a candidate model makes of them is held against the reference model, and the
+Pixels of the scene are drawn (`pixels`): what a candidate model makes of them is held against full spectra, and the
 cheapest candidate whose 98th percentile stays within the tolerance is chosen.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, lru_cache
 
 import numpy as np
 
-from ..colour import differences
-from ..colour.spaces import REC709, srgb_decoded
+from ..colour.spaces import srgb_decoded
 from ..errors import UsageError
 from ..model import bases
 from ..model.factor_model import FactorModel
-from ..model.rules import Fitted
-from ..model.upsample import rgb_matrix
+from ..model.rules import Direct, Fitted
+from ..model.upsample import rgb_spectra
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
+from .content import Content
+from .pixels import PIXELS, Pixels, difference
 
-__all__ = ["Candidate", "Content", "LeftOut", "Plan", "choose", "left_out", "predict"]
+__all__ = ["Candidate", "Content", "LeftOut", "Plan", "choose", "fitted_to", "left_out", "predict"]
 
-SEED = 20240607
-PIXELS = 3000
-ORDERS = 8  # reflections followed at most
-CHANNELS = (3, 6, 9, 12, 15)
+CHANNELS = (3, 6, 9, 12, 15, 18, 21, 24)
 SPECTRUM = 9  # channels that a spectrum behind a prism needs
-
-
-@dataclass(frozen=True, eq=False)
-class Content:
-    """What a scene shows and how it is lit, as far as the choice of a model depends on it.
-
-    reflectances: the measured spectra. colours: (m, 3) RGB colours of `space`. shares: part of the picture of each
-    reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
-    lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
-    often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
-    """
-
-    reflectances: Sequence[Spectrum] = ()
-    colours: Array = field(default_factory=lambda: np.empty((0, 3)))
-    shares: Array | None = None
-    textures: float = 0.0
-    lights: Sequence[Spectrum] = ()
-    choices: Sequence[Spectrum] = ()
-    bounces: int = 4
-    space: str = REC709
-    disperses: bool = False
-
-    def __post_init__(self) -> None:
-        colours = np.asarray(self.colours, dtype=np.float64).reshape(-1, 3)
-        count = len(self.reflectances) + len(colours)
-        shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
-        if shares.shape != (count,) or (shares < 0).any():
-            raise UsageError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
-        if not self.lights:
-            raise UsageError("a scene needs at least one light")
-        object.__setattr__(self, "colours", colours)
-        object.__setattr__(self, "shares", shares)
-
-    @property
-    def switches(self) -> bool:
-        """Whether the light may become another than the one rendered for."""
-        lit = self.lights[0].sampled()
-        return any(not np.allclose(_unit(other.sampled()), _unit(lit)) for other in [*self.lights[1:], *self.choices])
+SCENE = 12  # channels of a model whose filters are made for a scene, where general ones of as many do not do
+WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
+SURE = 0.9  # times the tolerance
+MOST_SURFACES, MOST_LIGHTS = 60, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +41,14 @@ class Candidate:
     worst: str
 
     @property
+    def passes(self) -> int:
+        return self.model.passes
+
+    @property
     def words(self) -> str:
         """What an artist calls it."""
-        return self.model.label
+        own = self.model.name == "scene" and not np.array_equal(self.model.filters, _general_filters(self.model))
+        return f"{self.model.label} made for this scene" if own else self.model.label
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +81,7 @@ class Plan:
         chosen = self.chosen
         found = f"{chosen.words}: ΔE {chosen.error:.2f} expected under {chosen.worst}, {self.tolerance:g} allowed"
         if chosen.error > self.tolerance:
-            return f"{found}; nothing is more exact"
+            return f"{found}; only Exact, 27 passes, is nearer"
         if not self.rejected:
             return f"{found}; a glass makes a spectrum of light" if self.disperses else found
         nearest = min(self.rejected, key=lambda candidate: candidate.error)
@@ -131,9 +99,9 @@ class LeftOut:
 def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
     """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
-    Of models with as many passes the most exact is taken; where none stays within it, the reference. A glass that
-    makes a spectrum leaves only models of SPECTRUM channels or more. least: channels that there are at least, for
-    a scene whose content may change.
+    Of models with as many passes the most exact is taken, and where none stays within it the most exact of all, but
+    for one of 81 channels, which nobody wants without asking for it. A glass that makes a spectrum leaves only models
+    of SPECTRUM channels or more. least: channels that there are at least, for a scene whose content may change.
     """
     if not tolerance > 0:
         raise UsageError(f"the tolerance is {tolerance}: expected more than 0")
@@ -145,22 +113,50 @@ def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
             continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)
-        if best.error <= tolerance or best.model.is_reference:
+        if best.error <= tolerance:
             return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
-    raise AssertionError("the reference is always a candidate")
+        if best.model.channels == SCENE and best.error <= WORTH * tolerance and least <= SCENE:
+            own = _made_for(content)
+            # The last digits of its filters are those of the machine: what is nearly too coarse is so everywhere
+            if own is not None and own.error <= SURE * tolerance:
+                return Plan(own, tuple(rejected), tolerance, content.disperses)
+    best = min(rejected, key=lambda candidate: candidate.error)
+    cheaper = tuple(candidate for candidate in rejected if candidate.model.passes < best.passes)
+    return Plan(best, cheaper, tolerance, content.disperses)
 
 
 def predict(model: FactorModel, content: Content) -> tuple[float, str]:
-    """98th percentile of CIEDE2000 to the reference, under the scene's worst lighting -> (error, that lighting)."""
-    truth = bases.bands()
-    pixels = _Pixels(content)
-    found, true = pixels.coefficients(model), pixels.coefficients(truth)
-    errors = {"its own lights": _difference(model, truth, found, true, content.lights, pixels.mixture)}
+    """98th percentile of CIEDE2000 to full spectra, under the scene's worst lighting -> (error, that lighting)."""
+    pixels = _pixels(content)
+    found = pixels.coefficients(model)
+    errors = {"its own lights": _difference(model, pixels, found, content.lights, pixels.mixture(len(content.lights)))}
     for light in content.choices:
-        errors[light.name] = _difference(model, truth, found, true, [light], np.ones((PIXELS, 1)))
+        errors[light.name] = _difference(model, pixels, found, [light], np.ones((PIXELS, 1)))
     worst = max(errors, key=lambda name: errors[name])
     return errors[worst], worst
+
+
+@lru_cache(maxsize=4)
+def _made_for(content: Content) -> Candidate | None:
+    """A model of SCENE channels with filters of the scene's own; None where it is of too many kinds for one."""
+    lights = [*content.lights, *content.choices]
+    if not content.reflectances or len(content.parts) > MOST_SURFACES or len(lights) > MOST_LIGHTS or content.textures:
+        return None
+    spectra = (rgb_spectra(content.space) @ content.rgb.T).T
+    colours = [Spectrum(WAVELENGTHS, values) for values in np.clip(spectra, 0, 1)]
+    made = bases.scene(SCENE, [*content.reflectances, *colours], lights, exact=False, rule=_rule(content))
+    return Candidate(made, *predict(made, content))
+
+
+def _general_filters(model: FactorModel) -> Array:
+    return bases.fitted(model.channels).filters
+
+
+@lru_cache(maxsize=2)
+def _pixels(content: Content) -> Pixels:
+    """Pixels of a scene, the same for every candidate."""
+    return Pixels(content)
 
 
 def left_out(model: FactorModel, content: Content, pixels: int, groups: int) -> list[LeftOut]:
@@ -187,7 +183,7 @@ def pass_bytes(pixels: int, groups: int) -> int:
 def _candidates(content: Content) -> Iterator[list[FactorModel]]:
     """Models by number of passes, those with equally many together."""
     for channels in CHANNELS:
-        alternatives = [_fitted_to(content, channels)]
+        alternatives = [fitted_to(content, channels)]
         if channels == CHANNELS[0]:
             alternatives.insert(0, _grey())
             if not content.switches:
@@ -202,61 +198,24 @@ def _grey() -> FactorModel:
     return FactorModel("grey", WAVELENGTHS, bases.fitted(1).filters)
 
 
-def _fitted_to(content: Content, channels: int) -> FactorModel:
+def fitted_to(content: Content, channels: int) -> FactorModel:
     """The fitted filters, with matrices for the scene's spectra: measured, of its colours, of any texture."""
-    truth = bases.bands()
-    colours = content.colours
+    colours = content.rgb
     if content.textures > 0:
         levels = srgb_decoded(np.linspace(0, 1, 4))
         colours = np.concatenate([colours, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
-    upsampled = truth.reconstruct(colours @ rgb_matrix(truth, content.space).T)
+    upsampled = colours @ rgb_spectra(content.space).T
     known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
-    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, Fitted(np.array(known)))
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, _rule(content)(np.array(known)))
 
 
-class _Pixels:
-    """Pixels drawn from a scene, always the same: which surfaces light met on its way, and how much of each order."""
-
-    def __init__(self, content: Content):
-        random = np.random.default_rng(SEED)
-        self.content = content
-        shares = np.append(np.asarray(content.shares), content.textures)
-        shares = shares / shares.sum() if shares.sum() > 0 else np.append(np.zeros(len(shares) - 1), 1.0)
-        orders = 1 + min(content.bounces, ORDERS)
-        # Evenly spread over the surfaces that the camera sees; light comes from any surface
-        seen = np.searchsorted(np.cumsum(shares)[:-1], (np.arange(PIXELS) + 0.5) / PIXELS, side="right")
-        others = random.choice(len(shares), p=shares, size=(orders - 1, PIXELS))
-        self.surfaces = np.concatenate([seen[None], others])
-        # Textures are spread evenly over what is seen, not over light
-        self.texels = srgb_decoded(random.random((orders, PIXELS, 3)))
-        # What a point gathers of the light of all others: all of it in a closed room, half of it in the open
-        self.orders = random.uniform(0.5, 1.0, PIXELS) ** np.arange(orders)[:, None]
-        if orders > 1:
-            self.orders[0] = random.uniform(0.0, 1.0, PIXELS)  # lamps, which may be hidden
-        self.mixture = random.dirichlet(np.ones(len(content.lights)), PIXELS)
-
-    def coefficients(self, model: FactorModel) -> Array:
-        """(pixels, p): what a renderer makes of the pixels with this model."""
-        content, to_coefficients = self.content, rgb_matrix(model, self.content.space)
-        measured = np.empty((0, model.channels))
-        if content.reflectances:
-            measured = model.coefficients(list(content.reflectances))
-        known = np.concatenate([measured, content.colours @ to_coefficients.T, np.zeros((1, model.channels))])
-        factors = known[self.surfaces]
-        unknown = self.surfaces == len(known) - 1
-        factors[unknown] = self.texels[unknown] @ to_coefficients.T
-        return np.einsum("kn,knp->np", self.orders, np.cumprod(factors, axis=0))
+def _rule(content: Content) -> type[Fitted]:
+    return Fitted if content.bounces else Direct
 
 
-def _difference(
-    model: FactorModel, truth: FactorModel, found: Array, true: Array, lights: Sequence[Spectrum], mixture: Array
-) -> float:
-    """98th percentile of CIEDE2000 between coefficients (pixels, p) of two models under a mixture of lights."""
-    matrices, exact = (np.array([m.relight(light) for light in lights]) for m in (model, truth))
-    xyz, true_xyz = (np.einsum("ng,gxp,np->nx", mixture, r, c) for r, c in ((matrices, found), (exact, true)))
-    white = exact.sum(axis=(0, 2)) / len(lights)
-    return float(np.percentile(differences.picture_delta_E(xyz, true_xyz, white), 98))
-
-
-def _unit(power: Array) -> Array:
-    return power / power.max()
+def _difference(model: FactorModel, pixels: Pixels, found: Array, lights: Sequence[Spectrum], mixture: Array) -> float:
+    """98th percentile of CIEDE2000 of coefficients (pixels, p) under a mixture (pixels, lights) of lights."""
+    matrices = np.array([model.relight(light) for light in lights])
+    xyz = np.einsum("ng,gxp,np->nx", mixture, matrices, found)
+    true = np.einsum("ng,gnx->nx", mixture, np.array([pixels.true_xyz(light) for light in lights]))
+    return float(np.percentile(difference(xyz, true, matrices.sum(axis=(0, 2))), 98))

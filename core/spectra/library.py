@@ -322,32 +322,36 @@ def observers() -> list[str]:
 @cache
 def observer(name: str = OBSERVER) -> Array:
     """Colour matching functions -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError."""
-    return _tabulated(colour_science().MSDS_CMFS[OBSERVERS[_find(name, OBSERVERS, "observer")]])
+    return _tabulated(colour_science().MSDS_CMFS[OBSERVERS[_find(name, OBSERVERS, "observer")]], WAVELENGTHS)
 
 
 @cache
 def camera(name: str) -> Array:
     """Spectral sensitivities of a camera, red, green, blue -> (81, 3) on WAVELENGTHS. Raises LibraryError."""
     cameras = colour_science().MSDS_CAMERA_SENSITIVITIES
-    return _tabulated(cameras[_find(name, cameras, "camera")])
+    return _tabulated(cameras[_find(name, cameras, "camera")], WAVELENGTHS)
 
 
-def sensitivities(name: str) -> Array:
-    """An observer or a camera by name -> (81, 3) on WAVELENGTHS, read-only. Raises LibraryError.
+def sensitivities(name: str, wavelengths: Array = WAVELENGTHS) -> Array:
+    """An observer or a camera by name -> (n, 3) on `wavelengths` in nm, read-only. Raises LibraryError.
 
     >>> sensitivities("CIE 1964 10").shape
     (81, 3)
     """
     cameras = colour_science().MSDS_CAMERA_SENSITIVITIES
     known = _find(name, [*OBSERVERS, *OBSERVERS.values(), *cameras], "observer or camera")
-    if known in cameras:
-        return camera(known)
-    return observer(next(short for short, full in OBSERVERS.items() if known in (short, full)))
+    short = next((short for short, full in OBSERVERS.items() if known in (short, full)), "")
+    if wavelengths is WAVELENGTHS:
+        return observer(short) if short else camera(known)
+    table = colour_science().MSDS_CMFS[OBSERVERS[short]] if short else cameras[known]
+    return _tabulated(table, wavelengths)
 
 
-def _tabulated(functions: Any) -> Array:
+def _tabulated(functions: Any, wavelengths: Array) -> Array:
     sensitivities = np.asarray(functions.values).T
-    columns = [Spectrum(functions.wavelengths, values, kind="sensitivity").sampled() for values in sensitivities]
+    columns = [
+        Spectrum(functions.wavelengths, values, kind="sensitivity").sampled(wavelengths) for values in sensitivities
+    ]
     table = np.stack(columns, axis=1)
     table.setflags(write=False)
     return table

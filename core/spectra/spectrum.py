@@ -26,6 +26,7 @@ RANGES = {
     "sensitivity": (-_GREATEST, _GREATEST),
 }
 KINDS = tuple(RANGES)
+_WIDEST = 5.0 + 1e-6  # nm: steps of a grid whose values are means of a reflectance; on coarser ones they are samples
 _ZERO_OUTSIDE = ("illuminant", "sensitivity")
 
 
@@ -87,8 +88,10 @@ class Spectrum:
 
         Reflectances and indices keep their end values outside the measured range, which must not lie wholly outside
         380 to 780 nm; illuminants and sensitivities are zero there. An illuminant measured more finely than
-        `wavelengths` is averaged with triangular weights instead, so that no line falls between two samples; its power
-        and centroid are kept. An illuminant of one sample is a line. Raises SpectrumError.
+        `wavelengths`, and a reflectance where these are 5 nm apart or less, is averaged with triangular weights
+        instead, so that nothing narrow falls between two samples: of an illuminant power and centroid are kept, and
+        filters that are linear between `wavelengths` have the integral of a reflectance. An illuminant of one sample is
+        a line. Raises SpectrumError.
         """
         wavelengths = np.asarray(wavelengths, dtype=np.float64)
         if self.kind not in _ZERO_OUTSIDE:
@@ -97,14 +100,23 @@ class Spectrum:
                 raise SpectrumError(
                     f"spectrum {self.name!r}: covers {first:g} to {last:g} nm, nothing of the visible 380 to 780 nm"
                 )
+            narrow = wavelengths.size > 1 and np.diff(wavelengths).max() <= _WIDEST
+            if narrow and self.kind == "reflectance" and self._is_finer(wavelengths):
+                return self._averaged(wavelengths)
             return np.interp(wavelengths, self.wavelengths, self.values)
         if self.kind == "illuminant" and wavelengths.size > 1:
             if self.wavelengths.size == 1:
                 step = np.gradient(wavelengths)
                 return _shared_out(self.values, self.wavelengths, wavelengths) / step
-            if np.diff(self.wavelengths).min() < np.diff(wavelengths).min() * (1 - 1e-9):
+            if self._is_finer(wavelengths):
                 return self._averaged(wavelengths)
         return np.interp(wavelengths, self.wavelengths, self.values, left=0.0, right=0.0)
+
+    def _is_finer(self, wavelengths: np.ndarray) -> bool:
+        """Whether it has steps below those of `wavelengths`, which increase."""
+        if self.wavelengths.size == 1 or wavelengths.size == 1:
+            return False
+        return bool(np.diff(self.wavelengths).min() < np.diff(wavelengths).min() * (1 - 1e-9))
 
     def _averaged(self, wavelengths: np.ndarray) -> np.ndarray:
         """Triangle-weighted averages of the piecewise linear spectrum; exact: Simpson's rule between all knots."""
@@ -112,9 +124,13 @@ class Spectrum:
         left, right = knots[:-1], knots[1:]
         points = np.concatenate([left, (left + right) / 2, right])
         weights = np.concatenate([right - left, 4 * (right - left), right - left]) / 6
+        values = np.interp(points, self.wavelengths, self.values)
+        if self.kind not in _ZERO_OUTSIDE:  # its ends are held, and the ends of the grid have half a triangle
+            shared, whole = (_shared_out(each, points, wavelengths) for each in (values * weights, weights))
+            return np.clip(shared / whole, self.values.min(), self.values.max())
         # Where the measured range ends the spectrum steps to zero: the last knot counts on its inner side only.
         inside = np.tile((left >= self.wavelengths[0]) & (right <= self.wavelengths[-1]), 3)
-        power = np.interp(points, self.wavelengths, self.values) * weights * inside
+        power = values * weights * inside
         # The end samples stand for half a triangle; dividing by the full step keeps the total power.
         return _shared_out(power, points, wavelengths) / np.gradient(wavelengths)
 

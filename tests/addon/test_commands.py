@@ -16,7 +16,9 @@ from relume.addon.cli import commands
 from relume.addon.host import console
 from relume.addon.scene import render, setup
 from relume.core import results
-from relume.core.picture import coefficients
+from relume.core.picture import coefficients, expectation
+from relume.core.spectra import files, library
+from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
 CHEAP = ("--channels", "3")
 COMMAND = (sys.executable, "-m", "relume")
@@ -50,7 +52,9 @@ def names(folder):
 
 
 def said(capfd) -> list[str]:
-    return [line for line in capfd.readouterr().err.splitlines() if line.startswith("relume")]
+    """What was said, but for what every picture is expected to be."""
+    lines = capfd.readouterr().err.splitlines()
+    return [line for line in lines if line.startswith("relume") and " expected, " not in line]
 
 
 def digests(folder) -> dict[str, str]:
@@ -105,6 +109,17 @@ def test_pictures_as_people_type_them(home, rendered, out):
     path = rendered / out.replace("~", "home")
     assert coefficients.read_rgb(path).shape == (36, 48, 3)
     assert names(path.parent)[0][0] != "."
+
+
+def test_light_of_a_file_of_spectra(home, rendered, capsys):
+    lamps = {"warm": library.illuminant("A").sampled(), "cool": library.illuminant("FL2").sampled()}
+    files.write("lamps.csv", [Spectrum(WAVELENGTHS, power, name, "illuminant") for name, power in lamps.items()])
+    for light, out in (("tungsten=FL2*0.5", "named.exr"), ("tungsten=lamps.csv#cool*0.5", "filed.exr")):
+        assert commands.execute(["relight", "little.exr", "--light", light, "--out", out]) == 0
+    named, filed = (coefficients.read_rgb(rendered / name) for name in ("named.exr", "filed.exr"))
+    np.testing.assert_allclose(filed, named, rtol=1e-4, atol=1e-6)
+    assert commands.execute(["relight", "little.exr", "--light", "tungsten=lamps.csv#blue", "--out", "x.png"]) == 1
+    assert "lamps.csv has no column 'blue'; it has warm, cool" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -299,7 +314,7 @@ def test_a_driver_that_does_not_work_is_named(typed, capfd):
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", *CHEAP]) == 0
     printed = capfd.readouterr()
-    (line,) = [line for line in printed.err.splitlines() if line.startswith("relume")]
+    line, _ = [line for line in printed.err.splitlines() if line.startswith("relume")]  # the other: what is expected
     assert "location of floor" in line
     assert "Traceback" not in printed.err and "PyDriver" not in printed.err and "PyDriver" not in printed.out
 
@@ -333,11 +348,29 @@ def test_events_are_json_lines(typed, monkeypatch, capfd):
     capfd.readouterr()
     assert commands.execute(["render", "little.blend", "--channels", "6"]) == 0
     printed = [json.loads(line) for line in capfd.readouterr().out.splitlines()]
-    assert [each["event"] for each in printed] == ["pass", "pass", "wrote", "wrote", "wrote"]
+    assert [each["event"] for each in printed] == ["pass", "pass", "wrote", "wrote", "expected", "wrote"]
     assert [(each["number"], each["passes"]) for each in printed[:2]] == [(1, 2), (2, 2)]
     assert commands.execute(["render", "no.blend"]) == 1
     printed = json.loads(capfd.readouterr().out)
     assert printed == {"event": "failed", "words": "no.blend: no such file"}
+
+
+def test_every_picture_comes_with_the_error_that_is_expected(rendered, capfd):
+    """In summary.json, in the EXR, in a line; and what would help where anybody sees it."""
+    (frame,) = json.loads((rendered / "summary.json").read_text())["frames"]
+    own = frame["expected"]["A+FL2"]
+    shown = coefficients.describe(rendered / "little.exr")
+    found = expectation.expected(shown.model, shown.shows, shown.mix())
+    assert own["p98"] == pytest.approx(found.p98, rel=1e-3)
+    assert own["level"] == found.level
+    capfd.readouterr()
+    group = next(iter(shown.groups))
+    relit = ["relight", "little.exr", "--light", f"{group}=532 nm", "--out", "relit.png"]
+    assert commands.execute(relit) == 0
+    (line,) = [line for line in capfd.readouterr().err.splitlines() if " expected, " in line]
+    assert "channels: " in line
+    worse = float(line.split(" expected, ")[1].split()[0])
+    assert worse > max(expectation.YELLOW, own["p98"])
 
 
 def test_a_full_standard_output_is_one_line(rendered):

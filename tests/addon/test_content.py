@@ -8,6 +8,7 @@ from relume.addon.scene import content, setup
 from relume.core.model import fresnel
 from relume.core.picture import plan
 from relume.core.spectra import library
+from relume.studies import judges
 
 RED = "ColorChecker: red"
 
@@ -319,8 +320,9 @@ def test_a_glass_with_dispersion_takes_the_channels_that_a_spectrum_needs(startu
     setup.set_up(startup)
     assert startup.relume.model().channels == plan.SPECTRUM
     assert "glass" in startup.relume.plan["reason"]
-    startup.relume.tolerance, startup.relume.switching = 0.02, "ANY"
-    cube.node_tree.nodes[node.name].inputs["Color"].default_value = (0.9, 0.2, 0.1, 1.0)
+    narrow = spectra.new_reflectance(judges.boxes(20)[8])
+    spectra.assign(cube, cube.node_tree.nodes[node.name].inputs["Color"], narrow)
+    startup.relume.switching = "ANY"
     setup.set_up(startup)
     assert startup.relume.model().channels > plan.SPECTRUM  # what the colours need is more
 

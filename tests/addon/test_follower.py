@@ -379,6 +379,35 @@ def test_a_colour_keyed_in_blenders_own_field_joins_the_keys_of_the_lamp(startup
     }
 
 
+def test_a_lamp_whose_animation_becomes_that_of_its_copy_too_has_its_colour_back(startup, tmp_path):
+    light = bpy.data.lights["Light"]
+    keyed(light, {1: (1.0, 0.2, 0.1), 10: (0.1, 0.2, 1.0)}, "color")
+    setup.set_up(startup, bases.fitted(6))
+    copy = bpy.data.objects["Light"].copy()
+    copy.data = light.copy()
+    startup.collection.objects.link(copy)
+    startup.frame_set(5)
+    shown = pixels(startup, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(startup, tmp_path / "b.exr"))
+    assert {path for path, _ in keys(light)} == {"color"}
+
+
+def test_a_colour_keyed_where_relume_shows_it_stays_when_relume_goes(ready, tmp_path):
+    light = bpy.data.lights["Light"]
+    (node,) = [node for node in light.node_tree.nodes if nodes.role(node) == "light"]
+    path = node.inputs["Tint"].path_from_id("default_value")
+    keyed(light.node_tree, {1: (1.0, 0.5, 0.2, 1.0), 10: (0.2, 0.5, 1.0, 1.0)}, path)
+    follower.settle(ready)
+    ready.frame_set(10)
+    shown = pixels(ready, tmp_path / "a.exr")
+    np.testing.assert_array_equal(shown, afresh(ready, tmp_path / "b.exr"))
+    setup.remove(ready)
+    assert [keys(light)["color", 0], keys(light)["color", 2]] == [{1.0: 1.0, 10.0: 0.2}, {1.0: 0.2, 10.0: 1.0}]
+    assert keys(light.node_tree) == {}
+    ready.frame_set(1)
+    np.testing.assert_allclose(light.color, (1.0, 0.5, 0.2), atol=1e-6)
+
+
 def test_animation_moves_with_the_node_that_comes_anew(startup):
     tree = startup.world.node_tree
     keyed(tree, {1: (1.0, 0.2, 0.1, 1.0)}, 'nodes["Background"].inputs[0].default_value')
@@ -388,15 +417,3 @@ def test_animation_moves_with_the_node_that_comes_anew(startup):
     follower.settle(startup)
     (light,) = [node for node in tree.nodes if nodes.role(node) == "light"]
     assert {path for path, _ in keys(tree)} == {light.inputs[0].path_from_id("default_value")}
-
-
-def test_a_row_without_lamps_does_not_become_everything_else(ready):
-    bpy.data.objects["Light"].lightgroup = "key"
-    ready.view_layers[0].lightgroups.add(name="key")
-    follower.settle(ready)
-    ready.relume.light_groups["key"].illuminant = "A"
-    setup.remove(ready)
-    bpy.data.objects["Light"].lightgroup = ""
-    setup.set_up(ready, bases.fitted(3))
-    rows = {row.name: (row.illuminant, row.is_lit) for row in ready.relume.light_groups}
-    assert rows == {"Everything else": ("D65", True), "key": ("A", False)}

@@ -3,12 +3,15 @@
 import re
 
 import bpy
+import numpy as np
 import pytest
 from dump import differences, dump
 from mathutils import Color
 
 from relume.addon.scene import render, render_settings, setup, view_layers
-from relume.core.model import bases
+from relume.core.errors import SetupError
+from relume.core.model import bases, relight
+from relume.core.spectra import library
 
 lamps_without_nodes = pytest.mark.xfail(
     bpy.app.version < (5, 1, 0), reason="Blender 5.0 cannot take back a lamp's node tree: it stays, unused", strict=True
@@ -207,3 +210,47 @@ def test_the_engine_changes_when_no_preview_is_rendered(startup, monkeypatch):
     monkeypatch.setattr(render_settings, "is_previewing", lambda: False)
     assert render_settings.change_engines() is None
     assert startup.render.engine == own
+
+
+@pytest.mark.parametrize("space", ["sharp", "srgb", "xyz"])
+def test_one_pass_is_prefiltered_for_the_light_that_the_artist_calls_dominant(room, space):
+    room.relume.channels, room.relume.rendering_space = "prefiltered", space
+    room.relume.dominant_group = "fluorescent"
+    setup.set_up(room)
+    settings = room.relume
+    light = settings.light_groups["fluorescent"].spectrum()
+    expected = bases.prefiltered(light, space)
+    assert settings.model().passes == 1
+    assert settings.model().to_dict() == expected.to_dict()
+    surface = library.reflectance("ColorChecker: red")
+    weights = relight.power_weights(light.sampled(), library.observer())
+    seen = expected.relight(light) @ settings.model().coefficients(surface)
+    np.testing.assert_allclose(seen, surface.sampled() @ weights, rtol=1e-9, atol=1e-12)
+    assert settings.plan["request"] == settings.request, "nothing is left to apply"
+
+
+def test_the_first_light_is_dominant_unless_one_is_called_so(room):
+    room.relume.channels = "prefiltered"
+    setup.set_up(room)
+    first = room.relume.lit[0]
+    assert room.relume.model().to_dict() == bases.prefiltered(first.spectrum(), "sharp").to_dict()
+
+
+def test_another_dominant_light_is_something_to_apply(room):
+    room.relume.channels, room.relume.dominant_group = "prefiltered", "tungsten"
+    setup.set_up(room)
+    room.relume.light_groups["fluorescent"].illuminant = "LED-B3"
+    assert room.relume.plan["request"] == room.relume.request, "a light that does not dominate may be any"
+    room.relume.light_groups["tungsten"].illuminant = "D65"
+    assert room.relume.plan["request"] != room.relume.request
+    setup.set_up(room)
+    assert room.relume.plan["request"] == room.relume.request
+    room.relume.rendering_space = "xyz"
+    assert room.relume.plan["request"] != room.relume.request
+
+
+def test_a_dominant_light_that_is_not_there_is_named(room):
+    room.relume.channels, room.relume.dominant_group = "prefiltered", "moon"
+    with pytest.raises(SetupError, match="nothing shines in 'moon'.*tungsten, fluorescent"):
+        setup.set_up(room)
+    assert not room.relume.is_set_up

@@ -19,6 +19,9 @@ HAZARDS = [
     "Negative spectra",
     "Albedo 0.99",
     "Wavelengths",
+    "Gels, LEDs and narrow bands",
+    "Albedo 0.98, 20 bounces",
+    "Absorbing volumes",
     "Half-precision coefficients",
     "What is clamped",
 ]

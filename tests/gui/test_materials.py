@@ -19,6 +19,10 @@ def steps():
     metal, lens = tree.nodes.new("ShaderNodeBsdfMetallic"), tree.nodes.new("ShaderNodeBsdfGlass")
     tree.nodes.new("ShaderNodeTexSky")
     scene.relume.channels = "6"
+    others = [cls for cls in bpy.types.Panel.__subclasses__() if getattr(cls, "bl_context", "") == "material"]
+    for cls in others:  # they stand above and fill the window
+        if "relume" not in cls.__module__ and cls.is_registered and not cls.__name__.endswith("context_material"):
+            bpy.utils.unregister_class(cls)
     for name in ("MATERIAL_PT_relume", "VIEW3D_PT_relume_remarks"):
         panel = getattr(bpy.types, name)
         bpy.utils.unregister_class(panel)

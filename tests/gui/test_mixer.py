@@ -104,7 +104,7 @@ SAVED = {str(tmp_path / "saved.blend")!r}
 """
         + """
 # From the upper right corner of the panel's region, at an interface scale of 1
-LAMP, SOLO, GAIN = (-150, -103), (-77, -83), (-110, -83)
+LAMP, SOLO, GAIN = (-150, -103), (-77, -83), (-140, -83)
 
 
 def at(place):
@@ -276,3 +276,72 @@ def steps():
     )
     page = (tmp_path / "room.html").read_text(encoding="utf-8")
     assert '"name":"room"' in page and '"name":"Mercury"' in page and 'id="plane11"' in page
+
+
+def test_many_groups_a_dropped_file_and_german_in_a_narrow_sidebar(window, tmp_path):
+    (tmp_path / "Ochre.csv").write_text("nm,Ochre\n400,0.1\n550,0.4\n700,0.6\n")
+    pictures = window(
+        STEPS
+        + f"""
+FOLDER = {str(tmp_path)!r}
+"""
+        + """
+import os
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+
+def steps():
+    scene, preferences = bpy.context.scene, bpy.context.preferences
+    folder = bpy.utils.preset_paths("interface_theme")[0]
+    bpy.ops.script.execute_preset(
+        filepath=os.path.join(folder, "Blender_Light.xml"), menu_idname="USERPREF_MT_interface_theme_presets"
+    )
+    if "de_DE" in {item.identifier for item in preferences.view.bl_rna.properties["language"].enum_items}:
+        preferences.view.language = "de_DE"
+    for number in range(38):
+        lamp = bpy.data.objects.new(f"lamp {number}", bpy.data.lights.new("lamp", "POINT"))
+        scene.collection.objects.link(lamp)
+        lamp.lightgroup, lamp.location = f"group {number:02d}", (number, 50, 50)
+        scene.view_layers[0].lightgroups.add(name=lamp.lightgroup)
+    yield from layout()
+    scene.relume.channels = "6"
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    assert len(groups()) == 40
+    groups()[3].solo, groups()[4].stops, scene.relume.active_light_group = True, -1.5, 4
+    yield
+    yield "home_many.png"
+    for thing in scene.objects:
+        thing.hide_set(True)
+    mesh, paint = bpy.data.meshes.new("board"), bpy.data.materials.new("paint")
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    mesh.materials.append(paint)
+    board = bpy.data.objects.new("board", mesh)
+    scene.collection.objects.link(board)
+    yield
+    area = area_of("VIEW_3D")
+    region = region_of(area, "WINDOW")
+    x, y = location_3d_to_region_2d(region, area.spaces.active.region_3d, board.location)
+    yield from move(region.x + x, region.y + y)
+    with bpy.context.temp_override(area=area, region=region):
+        bpy.ops.wm.drop_import_file("INVOKE_DEFAULT", directory=FOLDER, files=[{"name": "Ochre.csv"}])
+    yield
+    link = paint.node_tree.nodes["Principled BSDF"].inputs["Base Color"].links[0]
+    assert link.from_node.node_tree.name == "Ochre", "what is under the cursor has the spectrum"
+    bpy.context.view_layer.objects.active = board
+    yield from move(region.x + 60, region.y + 400)
+    with bpy.context.temp_override(area=area, region=region):
+        bpy.ops.wm.call_menu(name="VIEW3D_MT_object_context_menu")
+    yield "home_menu.png"
+    yield from press("ESC", region.x + 60, region.y + 400)
+    preferences.view.ui_scale = 1.6
+    yield
+    side = region_of(area_of("VIEW_3D"))
+    x, y = side.x + 1, side.y + 200
+    yield from drag([(x, y), (x + 20, y), (x + 90, y), (x + 90, y)])
+    yield
+    yield "home_narrow.png"
+""",
+        ROOM,
+        "--enable-event-simulate",
+    )
+    assert set(pictures) == {"home_many.png", "home_menu.png", "home_narrow.png"}

@@ -1,0 +1,48 @@
+"""The scenes of the gallery: what the papers' pictures rest on, without rendering them."""
+
+import bpy
+import numpy as np
+import pytest
+
+from relume.addon.graph import transfer
+from relume.addon.scene import content
+from relume.assets import make_spheres, make_volumes
+from relume.core.colour import differences
+from relume.core.model.relight import power_weights
+from relume.core.spectra import library
+
+
+def test_spheres_are_pairs_that_match_in_daylight_and_part_under_tungsten():
+    bpy.ops.wm.open_mainfile(filepath=str(make_spheres.PATH))
+    scene = bpy.context.scene
+    assert scene.cycles.max_bounces == make_spheres.BOUNCES
+    found = {spectrum.name: spectrum.sampled() for spectrum in content.content_of(scene).reflectances}
+    for name in make_spheres.NAMES:
+        pair = np.stack([found[name], found[f"{name}'s metamer"]])
+        apart = []
+        for light in ("D65", "A"):
+            weights = power_weights(library.illuminant(light).sampled(), library.observer())
+            apart.append(differences.delta_E_1976(*(pair @ weights), weights.sum(axis=0)))
+        assert apart[0] < 0.01 and apart[1] > 20
+
+
+@pytest.mark.parametrize("name", ["anatomy", pytest.param("machine", marks=pytest.mark.torture)])
+def test_parts_of_a_volume_have_ranges_of_their_own(name):
+    scene = make_volumes.build(name)
+    (function,) = transfer.of(bpy.data.materials[name])
+    ranges = transfer.ranges_of(function)
+    organs = [organ for organ in make_volumes.SCENES[name].organs if organ.reflectance]
+    assert [transfer.spectrum_of(one).name for one in ranges] == [organ.reflectance for organ in organs]
+    for one, organ in zip(ranges, organs, strict=True):
+        assert one.low.inputs[1].default_value < organ.value < one.high.inputs[1].default_value
+    assert len(make_volumes.lightings(name)) == 4 and scene.camera
+
+
+def test_under_the_stomach_light_only_the_stomach_is_left():
+    make_volumes.build("anatomy")
+    (function,) = transfer.of(bpy.data.materials["anatomy"])
+    illuminant, gain = make_volumes.lightings("anatomy")["stomach light"]
+    weights = gain * power_weights(illuminant.sampled(), library.observer())
+    seen = {s.name: s.sampled() @ weights[:, 1] for s in map(transfer.spectrum_of, transfer.ranges_of(function))}
+    stomach = seen.pop("stomach")
+    assert stomach > 0.3 and max(seen.values()) < 0.005

@@ -1,0 +1,110 @@
+"""What a user prefers: of new scenes, of the search, and set-ups kept as Blender's presets."""
+
+import time
+import types
+from pathlib import Path
+
+import bpy
+import pytest
+
+from relume.addon.store import preferred
+from relume.addon.ui import own_spectra
+from relume.addon.ui.preferences import PresetsMenu, RelumePreferences
+
+
+@pytest.fixture
+def prefers(relume, monkeypatch, tmp_path):
+    """Sets preferences, as a Blender with a window has them."""
+    chosen = types.SimpleNamespace(
+        channels="auto", tolerance=1.0, lamp_folder="", paint_folder="", bl_rna=RelumePreferences.bl_rna
+    )
+    monkeypatch.setattr(preferred, "of", lambda: chosen)
+
+    def choose(**values):
+        vars(chosen).update(values)
+
+    return choose
+
+
+def test_a_scene_that_says_nothing_has_the_preferred_channels_and_keeps_them(startup, prefers):
+    startup.relume.property_unset("channels")
+    prefers(channels="6", tolerance=0.5)
+    assert (startup.relume.channels, startup.relume.tolerance) == ("6", 0.5)
+    assert not startup.relume.is_property_set("channels")
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    assert startup.relume.model().channels == 6 and startup.relume.is_property_set("channels")
+    prefers(channels="9", tolerance=2.0)
+    assert (startup.relume.channels, startup.relume.tolerance) == ("6", 0.5), "another user's file stays as it is"
+    other = bpy.data.scenes.new("other")
+    assert other.relume.channels == "9"
+    other.relume.channels = "auto"
+    assert other.relume.channels == "auto"
+
+
+def test_without_a_window_preferences_change_nothing(startup):
+    assert preferred.of() is None
+    startup.relume.property_unset("channels")
+    assert startup.relume.channels == "auto" and startup.relume.tolerance == 1.0
+
+
+def test_folders_of_the_user_stand_in_the_searches(startup, prefers, tmp_path):
+    lamps, paints = tmp_path / "lamps", tmp_path / "paints"
+    for folder in (lamps, paints):
+        folder.mkdir()
+    (lamps / "My lamp.csv").write_text("nm,power\n400,1\n700,2\n")
+    (lamps / "notes.pdf").write_text("no spectrum")
+    (paints / "Ochre.csv").write_text("nm,Ochre\n400,0.1\n700,0.6\n")
+    prefers(lamp_folder=str(lamps), paint_folder=str(paints))
+    assert own_spectra.listed(own_spectra.LAMPS) == [(str(lamps / "My lamp.csv"), "My lamp")]
+    bpy.ops.relume.set_up()
+    row = startup.relume.light_groups[0]
+    lamp = str(lamps / "My lamp.csv")
+    assert bpy.ops.relume.choose_illuminant(group=0, illuminant=lamp) == {"FINISHED"}
+    assert row.source == "FILE" and row.label == "My lamp.csv" and row.spectrum().values.tolist() == [1.0, 2.0]
+    row.source = "BLEND"
+    assert bpy.ops.relume.choose_illuminant(group=0, part=1, illuminant=lamp) == {"FINISHED"}
+    assert row.blend[1].illuminant == "My lamp" and row.blend[1].spectrum().values.tolist() == [1.0, 2.0]
+    assert bpy.ops.relume.choose_illuminant(group=0, illuminant="FL2") == {"FINISHED"}
+    assert row.label == "FL2"
+    bpy.context.view_layer.objects.active = bpy.data.objects["Cube"]
+    place = {"node": "Principled BSDF", "socket": "Base Color", "takes": "reflectance"}
+    assert bpy.ops.relume.assign_spectrum(**place, spectrum=str(paints / "Ochre.csv")) == {"FINISHED"}
+    assert "Ochre" in {tree.name for tree in bpy.data.node_groups}
+    time.sleep(0.01)
+    (lamps / "Another.spd").write_text("400 1\n700 2\n")
+    assert [name for _, name in own_spectra.listed(own_spectra.LAMPS)] == ["Another", "My lamp"]
+    prefers(lamp_folder=str(tmp_path / "gone"))
+    assert own_spectra.listed(own_spectra.LAMPS) == []
+
+
+@pytest.fixture
+def titled(monkeypatch):
+    """Blender gives the menu the name of the preset that was chosen."""
+    monkeypatch.setattr(PresetsMenu, "bl_label", PresetsMenu.bl_label)
+
+
+def test_a_set_up_is_kept_as_a_preset(startup, tmp_path, monkeypatch, titled):
+    monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: _folder(tmp_path / path))
+    settings = startup.relume
+    settings.channels, settings.tolerance, settings.grouping = "6", 0.25, "COLLECTION"
+    assert bpy.ops.relume.preset_add(name="Stills") == {"FINISHED"}
+    (kept,) = tmp_path.rglob("*.py")
+    settings.channels, settings.tolerance, settings.grouping = "auto", 2.0, "KEEP"
+    bpy.ops.script.execute_preset(filepath=str(kept), menu_idname="RELUME_MT_presets")
+    assert (settings.channels, settings.tolerance, settings.grouping) == ("6", 0.25, "COLLECTION")
+
+
+def test_presets_that_ship_can_be_applied(startup, titled):
+    shipped = [Path(path) for path in bpy.utils.preset_paths("relume/set_up")]
+    presets = sorted(path for folder in shipped for path in folder.glob("*.py"))
+    assert [path.stem for path in presets] == ["measurement", "quick_look", "still_picture"]
+    channels = []
+    for path in presets:
+        assert bpy.ops.script.execute_preset(filepath=str(path), menu_idname="RELUME_MT_presets") == {"FINISHED"}
+        channels.append(startup.relume.channels)
+    assert channels == ["24", "3", "auto"]
+
+
+def _folder(path):
+    path.mkdir(parents=True, exist_ok=True)
+    return str(path)
