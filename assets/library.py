@@ -11,6 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ..addon.host.asset_library import IMPORT_METHOD
 from ..core.spectra import library
 from . import library_materials, library_nodes, library_previews, library_things
 from .library_materials import Asset
@@ -59,6 +60,8 @@ def _mark(asset: Asset, preview: np.ndarray | None) -> None:
     data = asset.thing.asset_data
     data.catalog_id = _catalogue(f"{_ROOT}/{asset.catalogue}")
     data.author, data.license = "The Relume authors", asset.licence
+    if hasattr(data, "preferred_import_method"):  # Blender 5.2
+        data.use_preferred_import_method, data.preferred_import_method = True, IMPORT_METHOD
     data.description, data.copyright = asset.description, f"Source: {asset.source}"
     for tag in ("spectral", *asset.tags):
         data.tags.new(tag, skip_if_exists=True)

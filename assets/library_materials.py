@@ -107,7 +107,7 @@ def _painted(name: str, spectrum: Spectrum, roughness: float, specular: float = 
 def _chart() -> list[Asset]:
     found = []
     for spectrum in library.reflectances("colorchecker"):
-        name = spectrum.name.split(": ")[1].capitalize()
+        name = spectrum.name.split(": ")[1].split(" (")[0].capitalize()
         material = _painted(f"{name} (ColorChecker)", spectrum, 0.9, 0.0)
         words = f"The patch “{name.lower()}” of the ColorChecker, matte."
         found.append(
@@ -168,6 +168,7 @@ def _metamers() -> list[Asset]:
             own = Spectrum(spectrum.wavelengths, spectrum.values, f"{name}, {which} ({light})", source=spectrum.source)
             material = _painted(f"{name}, {which} ({light})", own, 0.9, 0.0)
             said = f"One of two paints that no eye tells apart under {light}; under other lamps they part."
-            source = first.source if which == "as measured" else f"metamer of {base} under {light}, made by Relume"
-            found.append(Asset(material, "Materials/Metamers", said, source, _OURS, ("metamer", light.lower())))
+            made = f"metamer of {base} under {light}, made by Relume"
+            source, licence = (first.source, _CHART) if which == "as measured" else (made, _OURS)
+            found.append(Asset(material, "Materials/Metamers", said, source, licence, ("metamer", light.lower())))
     return found

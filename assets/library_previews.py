@@ -26,7 +26,7 @@ _COLUMNS = 16
 _SAMPLES = 15  # in all passes together
 _CLEARER = 12  # times as many for what light goes through
 _ADAPTED = 0.6  # how far the eye has adapted to daylight and tungsten; to a lamp of the library not at all
-_PAINTS = ("white 9.5 (.05 D)", "red", "green", "blue")  # of the ColorChecker, in a lamp's preview
+_PAINTS = ("white 9.5", "red", "green", "blue")  # of the ColorChecker, in a lamp's preview
 _PICTURED = {
     "Spectral Mix": {"First": "ColorChecker: cyan", "Second": "ColorChecker: orange"},
     "Spectral Ramp": {
@@ -55,9 +55,7 @@ def render_all(things: Sequence, samples: int = _SAMPLES) -> dict:
         left = np.add.outer(np.arange(SIZE), np.arange(SIZE)) < SIZE
         places = {thing.name: _cell(k) for k, thing in enumerate(sheet)}
         found |= {name: np.where(left[..., None], day[cell], evening[cell]) for name, cell in places.items()}
-    paints = [
-        next(cell for name, cell in places.items() if name.lower() == f"{p.lower()} (colorchecker)") for p in _PAINTS
-    ]
+    paints = [next(cell for name, cell in places.items() if name.lower() == f"{p} (colorchecker)") for p in _PAINTS]
     by_illuminant = {}
     for lamp in lamps:
         name = lamp.data["relume_illuminant"]

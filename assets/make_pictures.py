@@ -129,7 +129,7 @@ def _still_life(path: Path):
     sheet.paste(first, (0, 0))
     for k, other in enumerate(others):
         sheet.paste(other, (k * (width + _GAP), first.height + _GAP))
-    sheet.save(path, quality=88)
+    sheet.save(path, quality=90)
 
 
 def _still_life_page(path: Path):

@@ -10,7 +10,6 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
-from ..addon.graph.lamps import ILLUMINANT
 from ..core.picture.mix import Light
 from ..core.spectra import library
 from . import still_life_things as things
@@ -64,8 +63,10 @@ def _lamps(scene):
     _area(scene, "bulb", (1.1, 0.5, 0.9), (0.0, 0.05, 0.08), (0.12, 0.12), 16.0)
     _area(scene, "tube", (0.0, -0.35, 1.3), (0.0, 0.15, 0.0), (1.2, 0.05), 26.0)
 
+    first = next(iter(LIGHTS.values()))()
     for name, illuminant in _ILLUMINANTS.items():
-        bpy.data.lights[name][ILLUMINANT] = illuminant
+        row = scene.relume.light_groups.add()
+        row["name"], row["illuminant"], row.gain = name, illuminant, first[name].gain
 
 
 def _area(scene, name, place, aim, size, watts):

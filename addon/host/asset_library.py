@@ -10,7 +10,9 @@ from pathlib import Path
 
 import bpy
 
-__all__ = ["offer", "withdraw"]
+__all__ = ["IMPORT_METHOD", "offer", "withdraw"]
+
+IMPORT_METHOD = "APPEND"  # what is linked or packed, as Blender would have it, nobody may change
 
 
 def offer(name: str, folder: Path) -> None:
@@ -18,7 +20,8 @@ def offer(name: str, folder: Path) -> None:
     if _entries(folder):
         return
     with _unsaved():
-        bpy.context.preferences.filepaths.asset_libraries.new(name=name, directory=str(folder))
+        added = bpy.context.preferences.filepaths.asset_libraries.new(name=name, directory=str(folder))
+        added.import_method = IMPORT_METHOD
 
 
 def withdraw(name: str, folder: Path) -> None:

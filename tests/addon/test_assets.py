@@ -10,8 +10,8 @@ from relume.addon.graph import nodes, spectra
 from relume.addon.host import asset_library
 from relume.addon.scene import follower, render, setup
 from relume.assets import library as assets
-from relume.core.colour import spaces
-from relume.core.model import bases
+from relume.core.colour import differences, spaces
+from relume.core.model import bases, relight
 from relume.core.spectra import library
 from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
@@ -175,6 +175,19 @@ def test_water_absorbs_as_beer_and_lambert_say(tmp_path):
     assert expected.min() < 0.3 and expected.max() > 0.8
 
 
+@pytest.mark.parametrize(("paint", "light"), [("Neutral 5", "D65"), ("Blue flower", "A"), ("Light skin", "FL2")])
+def test_metamers_match_under_their_light_and_part_elsewhere(startup, paint, light):
+    pair = [append("materials", f"{paint}, {which} ({light})") for which in ("as measured", "its double")]
+    reflected = [spectra.spectra_of(spectrum_in(material))["Color"].sampled() for material in pair]
+    apart = {}
+    for name in ("D65", "A", "FL2"):
+        weights = relight.power_weights(library.illuminant(name).sampled(), library.observer())
+        white = weights.sum(axis=0)
+        apart[name] = differences.delta_E_2000(*(each @ weights / white[1] for each in reflected), white / white[1])
+    assert apart.pop(light) < 0.05
+    assert min(apart.values()) > 5
+
+
 @pytest.fixture
 def folder(tmp_path):
     yield tmp_path
@@ -188,6 +201,7 @@ def test_the_library_is_offered_once_and_taken_back(folder):
     for _ in range(2):
         asset_library.offer("Relume", folder)
     assert [Path(entry.path) for entry in libraries if entry.name == "Relume"] == [folder]
+    assert libraries["Relume"].import_method == "APPEND", "what is linked cannot become spectral"
     asset_library.withdraw("Relume", folder)
     assert [entry.name for entry in libraries] == before
     assert not preferences.is_dirty

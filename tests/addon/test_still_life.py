@@ -40,5 +40,8 @@ def test_it_is_lit_as_its_script_says(scene):
     setup.set_up(scene, bases.fitted(9))
     found = {row.name: row.illuminant for row in scene.relume.lit}
     assert found == {"candle": "Planckian 1900 K", "window": "D65", "bulb": "LED-B1", "tube": "FL2"}
+    gains = {row.name: row.gain for row in scene.relume.lit}
+    first = next(iter(still_life.LIGHTS.values()))()
+    assert gains == pytest.approx({name: light.gain for name, light in first.items()}, abs=1e-6)
     for mix in still_life.LIGHTS.values():
         assert mix().keys() == found.keys()

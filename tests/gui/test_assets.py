@@ -16,7 +16,7 @@ def test_assets_are_there_while_the_extension_is(window):
         def steps():
             preferences = bpy.context.preferences
             libraries = preferences.filepaths.asset_libraries
-            assert [entry.name for entry in libraries].count("Relume") == 1
+            assert [entry.import_method for entry in libraries if entry.name == "Relume"] == ["APPEND"]
             preferences.is_dirty = False  # the driver has changed some
             area = next(a for a in bpy.context.screen.areas if a.type == "VIEW_3D")
             area.ui_type = "ASSETS"
