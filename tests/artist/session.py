@@ -83,7 +83,8 @@ def link_an_object(chance, scene):
 
 
 def _bring(chance, scene, link: bool, kind: str):
-    thing = pick(chance, sorted((o for o in scene.objects if o.type == "MESH" and not o.library), key=lambda o: o.name))
+    own = (o for o in scene.objects if o.type == "MESH" and not o.library and not o.data.library)
+    thing = pick(chance, sorted(own, key=lambda o: o.name))
     with bpy.data.libraries.load(str(_library()), link=link) as (there, here):
         setattr(here, kind, sorted(getattr(there, kind)))
     brought = getattr(here, kind)
