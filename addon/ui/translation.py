@@ -14,6 +14,7 @@ __all__ = ["LANGUAGES", "illuminant", "register", "said", "unregister"]
 
 LANGUAGES = {"de": ("de_DE", "de")}  # what Blender calls each
 _CONTEXTS = ("*", "Operator", "Relume")  # the last: what Blender says otherwise elsewhere
+_INDENTED = "\n    "  # as the docstring of an operator goes on, before Python 3.13
 _FILES = Path(__file__).parent
 
 
@@ -39,7 +40,8 @@ def register() -> None:
     for language, locales in LANGUAGES.items():
         words = words_of(language)
         for locale in locales:
-            known[locale] = {(context, text): words[text] for text in words for context in _CONTEXTS}
+            forms = {form: words[text] for text in words for form in (text, text.replace("\n", _INDENTED))}
+            known[locale] = {(context, text): forms[text] for text in forms for context in _CONTEXTS}
     bpy.app.translations.register(__package__, known)
 
 

@@ -1,6 +1,7 @@
 """Every string of the interface that can be translated, as (context, string): from the classes and from the code."""
 
 import ast
+import inspect
 from pathlib import Path
 
 import bpy
@@ -51,7 +52,11 @@ def _of_class(cls, tips: bool):
     if label := getattr(cls, "bl_label", ""):
         yield context, label
     if tips and issubclass(cls, bpy.types.Operator) and "bl_idname" in vars(cls):
-        yield ANY, getattr(bpy.ops.relume, cls.bl_idname.partition(".")[2]).get_rna_type().description
+        operator = getattr(bpy.ops.relume, cls.bl_idname.partition(".")[2])
+        yield (
+            ANY,
+            inspect.cleandoc(operator.get_rna_type().description),
+        )  # Blender 5.0 keeps how docstrings are indented
     rna = getattr(cls, "bl_rna", None)
     own = {name for base in cls.__mro__ for name in getattr(base, "__annotations__", {})}
     for name in sorted(own):
