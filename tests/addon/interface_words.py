@@ -56,7 +56,7 @@ def _of_class(cls, tips: bool):
         yield (
             ANY,
             inspect.cleandoc(operator.get_rna_type().description),
-        )  # Blender 5.0 keeps how docstrings are indented
+        )  # Blender 5.0 keeps the indents
     rna = getattr(cls, "bl_rna", None)
     own = {name for base in cls.__mro__ for name in getattr(base, "__annotations__", {})}
     for name in sorted(own):
