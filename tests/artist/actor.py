@@ -4,6 +4,7 @@
 error, what Blender printed).
 """
 
+import faulthandler
 import os
 import random
 import sys
@@ -183,6 +184,7 @@ def main() -> None:
     printed = os.open(log, os.O_CREAT | os.O_TRUNC | os.O_RDWR)
     for number in (1, 2):
         os.dup2(printed, number)
+    faulthandler.enable()
     relume.register()
     pipe.send("ready")
     while True:
