@@ -105,8 +105,7 @@ def _loaded(*_) -> None:
 
 @persistent
 def _settle(*_) -> None:
-    for scene in follower.followed():
-        follower.settle(scene)
+    follower.settle_all()
 
 
 @persistent

@@ -142,12 +142,13 @@ def take_colours(lights: Iterable, gentle: bool = False) -> tuple[dict, list[Rem
                 remarks.append(sockets.untouchable(light))
             continue
         why = _obstacle(light)
-        if why and (tuple(light.color) != (1.0, 1.0, 1.0) or light.use_temperature):
-            remarks.append(Remark(light.name, "", why))
         if not why:
             lamps[light] = _take_colour(light, gentle)
-        elif _BEFORE in light:
+            continue
+        if _BEFORE in light:
             restore(light)
+        if tuple(light.color) != _WHITE or light.use_temperature:
+            remarks.append(Remark(light.name, "", why))
     return lamps, remarks
 
 

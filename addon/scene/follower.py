@@ -22,7 +22,7 @@ from ..store import mixer, properties
 from . import faults, passes, planning, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "tick", "watch"]
+__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "settle_all", "tick", "watch"]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
@@ -245,6 +245,17 @@ def _memory_of(scene) -> Memory:
 def _is_carried(scene) -> bool:
     """Whether a scene carries what it says it does: one that was made with the settings of another has only those."""
     return bool(view_layers.preview_layers(scene) or view_layers.pass_layers(scene))
+
+
+def settle_all() -> None:
+    """Settle every scene; once more where the lights of one have other numbers for what another shows by now."""
+    for _ in range(2):
+        scenes = followed()
+        before = [rows.numbers(scene) for scene in scenes]
+        for scene in scenes:
+            settle(scene)
+        if before == [rows.numbers(scene) for scene in scenes]:
+            break
 
 
 def settle(scene) -> None:

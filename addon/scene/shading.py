@@ -110,6 +110,8 @@ class Shown:
         group = lights.group_of(shading, lighting.groups)
         light = group, lighting.numbers[group], group in lighting.temperatures, lighting.lamps.get(owner)
         moving = animation.shared(shading.tree), animation.shared(owner), animation.paths(shading.tree, owner)
+        if owner != shading.tree:
+            moving += (animation.paths(owner, owner),)
         return self.memory.facts(shading.tree), owner.name, light, moving
 
     def note_remarks(self, scene) -> None:

@@ -83,8 +83,7 @@ def _show_frames() -> None:
 def keep(path: str) -> dict:
     """Settle every scene that is set up, and save a copy of the file; returns what it carries."""
     _show_frames()
-    for scene in _set_up():
-        follower.settle(scene)
+    follower.settle_all()
     found = carried()
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
     return found
@@ -134,8 +133,7 @@ def _afresh() -> None:
         scene[properties.PLAN] = plan
         if engine != scene.render.engine:  # set-up chooses Cycles, and an artist something else again
             scene.render.engine = engine
-    for scene in models:
-        follower.settle(scene)
+    follower.settle_all()
 
 
 def pictures(path: str, folder: str) -> list[str]:
