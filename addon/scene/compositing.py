@@ -268,9 +268,10 @@ def _clear(tree, scene) -> None:
     for node in [node for node in tree.nodes if ADDED in node and belongs(node, scene)]:
         tree.nodes.remove(node)
     names = view_layers.source_names(scene)
+    shown = {copy.name: source for source, copies in view_layers.pass_layers(scene).items() for copy in copies}
     for node in fed(scene, tree):
-        if node[SOURCE] in names:
-            node.layer = names[node[SOURCE]]
+        # Undo may bring back the name that a view layer had, and not that which is noted here
+        node.layer = names.get(node[SOURCE]) or shown.get(node.layer) or node.layer
         del node[SOURCE]
 
 

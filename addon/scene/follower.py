@@ -63,7 +63,8 @@ _held = 0
 def followed() -> list:
     """The scenes of the file that are set up, and can be changed now."""
     scenes = bpy.data.scenes if not _held else ()
-    return [s for s in scenes if s.relume.shades and s.is_editable and s.override_library is None]
+    found = [s for s in scenes if s.relume.shades and s.is_editable and s.override_library is None]
+    return sorted(found, key=lambda scene: scene.name)  # as they are in a file: what two show is as the last has it
 
 
 def is_at_work() -> bool:

@@ -73,8 +73,7 @@ def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list
 
 def numbers(scene) -> dict[str, int]:
     """{light group: its number} of all scenes of the file that are set up: what shades one may shade another."""
-    others = [s for s in bpy.data.scenes if s.relume.shades]
-    shown = others if scene in others else [*others, scene]
+    shown = sorted({scene, *(s for s in bpy.data.scenes if s.relume.shades)}, key=lambda each: each.name)
     return {name: number for number, name in enumerate(dict.fromkeys(row.name for s in shown for row in s.relume.lit))}
 
 
