@@ -239,7 +239,9 @@ def _follow_all(scene) -> Iterator[None]:
 
 
 def _memory_of(scene) -> Memory:
-    """What is known of the node trees of a scene."""
+    """What is known of the node trees of a scene; nothing where other scenes may change them too."""
+    if len(followed()) > 1:
+        _memories.clear()
     return _memories.setdefault(scene.session_uid, Memory())
 
 
