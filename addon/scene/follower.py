@@ -251,14 +251,19 @@ def _is_carried(scene) -> bool:
 
 
 def settle_all() -> None:
-    """Settle every scene; once more where the lights of one have other numbers for what another shows by now."""
+    """Settle every scene, and again where one made others change: by another model, or other numbers of lights."""
     for _ in range(2):
         scenes = followed()
-        before = [rows.numbers(scene) for scene in scenes]
+        before = _shared_by(scenes)
         for scene in scenes:
             settle(scene)
-        if before == [rows.numbers(scene) for scene in scenes]:
+        if before == _shared_by(scenes):
             break
+
+
+def _shared_by(scenes: list) -> list:
+    """What scenes of a file have in common: the numbers of light groups, and the model."""
+    return [(rows.numbers(scene), scene[properties.MODEL]) for scene in scenes if properties.MODEL in scene]
 
 
 def settle(scene) -> None:
