@@ -4,6 +4,7 @@ What is right already stays untouched, so that a tree in which an artist works c
 everything out again is a patch that wants nothing.
 """
 
+import re
 from collections.abc import Collection
 from contextlib import ExitStack
 
@@ -13,11 +14,12 @@ from ..host import animation
 from . import nodes
 from .sockets import Conversion, Insertion, Shading
 
-__all__ = ["MOVED", "TINT", "patch", "restore", "take_out"]
+__all__ = ["MOVED", "TINT", "moved_path", "patch", "restore", "take_out"]
 
 _ANIMATED = "relume_animated"  # on an inserted node: the path whose animation acts on it
 _GIVEN = "relume_given"  # on an inserted node: the value of the socket behind it, which whoever writes there changes
 MOVED = "relume_moved"  # on a light: the path that the animation of its colour now acts on
+_TINT_OF = re.compile(r'node_tree\.nodes\["((?:[^"\\]|\\.)+)"\]\.inputs\[1\]\.default_value')
 TINT = "relume_tint"  # on a *Light*: the colour of its lamp, that it was given
 
 
@@ -149,8 +151,10 @@ class _Tree:
         if tuple(node.get(TINT, ())) != tuple(lamp.tint):
             node[TINT] = lamp.tint
         path = f"node_tree.{tint.path_from_id('default_value')}"
-        if animation.move(self.shading.owner, "color", path):
-            self.shading.owner[MOVED] = path
+        owner = self.shading.owner
+        moved = MOVED in owner and moved_path(owner) != path and animation.move(owner, moved_path(owner), path)
+        if animation.move(owner, "color", path) or moved:
+            owner[MOVED] = path
 
     def move_animation(self, path: str, node) -> None:
         """Let the animation of a value act on the inserted node, which now holds it."""
@@ -160,6 +164,22 @@ class _Tree:
         if self.shading.owner != self.tree:
             animation.move(self.shading.owner, f"node_tree.{path}", f"node_tree.{after}")
         self.conversion.animated[self.tree] = self.conversion.animated_in(self.shading) - {path} | {after}
+
+
+def moved_path(light) -> str:
+    """The path that the animation of a lamp's colour acts on.
+
+    Undo brings back a lamp, with the path that it notes, and leaves an action alone that was edited in between: its
+    curves may act on an inserted node of another name.
+    """
+    noted = light[MOVED]
+    if not animation.is_animated(light, noted):
+        for path in animation.paths(light, light):
+            named = _TINT_OF.fullmatch(path)
+            node = light.node_tree.nodes.get(named[1]) if named else None
+            if named and (node is None or nodes.role(node) in nodes.INSERTED):
+                return path
+    return noted
 
 
 def _fitted(value, socket) -> tuple:

@@ -244,7 +244,7 @@ def restore(light) -> None:
     """Give a lamp back the colour that `take_colours` took, as it is now."""
     lamp = _colour_of(light)
     if insertion.MOVED in light:
-        animation.move(light, light[insertion.MOVED], "color")
+        animation.move(light, insertion.moved_path(light), "color")
         del light[insertion.MOVED]
     if _BEFORE not in light:
         return
