@@ -42,7 +42,9 @@ def colour_the_world(chance, scene):
     background = artists_nodes(scene.world.node_tree, "ShaderNodeBackground") if scene.world else []
     if not background:
         return None
-    own_socket(background[0].inputs["Color"]).default_value = (*chosen, 1.0)
+    socket = own_socket(background[0].inputs["Color"])
+    if not socket.is_linked:  # Blender shows no colour to choose where one comes from elsewhere
+        socket.default_value = (*chosen, 1.0)
     background[0].inputs["Strength"].default_value = strength
     return f"world {chosen} {strength}"
 
