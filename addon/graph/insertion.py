@@ -218,6 +218,7 @@ def take_out(tree: bpy.types.NodeTree, owner, node) -> None:
     if _GIVEN in node and not node.inputs[0].is_linked:
         _take_over(node)
     if "Tint" in node.inputs and owner.get(MOVED) == f"node_tree.{node.inputs['Tint'].path_from_id('default_value')}":
+        animation.move(owner, "color", owner[MOVED])  # what was keyed there since is newer
         animation.move(owner, owner[MOVED], "color")
         del owner[MOVED]
     targets = [link.to_socket for link in node.outputs[0].links]

@@ -244,7 +244,9 @@ def restore(light) -> None:
     """Give a lamp back the colour that `take_colours` took, as it is now."""
     lamp = _colour_of(light)
     if insertion.MOVED in light:
-        animation.move(light, insertion.moved_path(light), "color")
+        path = insertion.moved_path(light)
+        animation.move(light, "color", path)  # what was keyed there since is newer
+        animation.move(light, path, "color")
         del light[insertion.MOVED]
     if _BEFORE not in light:
         return
