@@ -30,6 +30,7 @@ __all__ = [
     "emitters_of",
     "first_illuminant",
     "glows_of",
+    "group_named_by",
     "group_of",
     "has_emitters",
     "is_taken",
@@ -76,11 +77,14 @@ def members_of(scene, inventoried: inventory.Inventory | None = None, known=sock
     """{light group: names of what shines in it}, in the order of `light_groups_of`; arguments as in `emitters_of`."""
     found = {}
     for thing in emitters_of(scene, inventoried, known):
-        found.setdefault("" if why_unusable(thing.lightgroup) else thing.lightgroup, []).append(
-            f"{thing.id_type} {thing.name}"
-        )
-    rest = [*found.pop("", ()), *found.pop(EVERYTHING_ELSE, ())]
+        found.setdefault(group_named_by(thing), []).append(f"{thing.id_type} {thing.name}")
+    rest = found.pop(EVERYTHING_ELSE, None)
     return found | ({EVERYTHING_ELSE: rest} if rest else {})
+
+
+def group_named_by(thing) -> str:
+    """The light group that an object or a world is in, `EVERYTHING_ELSE` where Blender renders none of its name."""
+    return EVERYTHING_ELSE if why_unusable(thing.lightgroup) else thing.lightgroup or EVERYTHING_ELSE
 
 
 def why_unusable(group: str) -> str:
@@ -262,15 +266,11 @@ def local_lights() -> list:
     return [light for light in bpy.data.lights if light.library is None]
 
 
-def temperatures_of(groups: list[str], lamps: dict, shadings: list) -> dict[str, float]:
+def temperatures_of(groups: list[str], glows: dict) -> dict[str, float]:
     """{light group: kelvin} of the groups in which all that shines is one black body.
 
-    lamps: {light: Lamp}, as `take_colours` gives them.
+    glows: {shading: what `glows_of` says of it}.
     """
-    return _of_groups(groups, {shading: glows_of(shading, lamps.get(shading.owner)) for shading in shadings})
-
-
-def _of_groups(groups: list[str], glows: dict) -> dict[str, float]:
     found = {}
     for shading, kelvins in glows.items():
         if kelvins:
@@ -310,7 +310,7 @@ class Lighting:
     def __init__(self, model: FactorModel, groups: dict[str, int], lamps: dict, glows: dict) -> None:
         """glows: {shading: kelvins}, as `glows_of` tells them."""
         self.model, self.groups, self.numbers, self.lamps = model, list(groups), groups, lamps
-        self.temperatures = _of_groups(self.groups, glows)
+        self.temperatures = temperatures_of(self.groups, glows)
         self.glows = {shading.owner: kelvins for shading, kelvins in glows.items()}
 
     def _emitter(self, name: str, kelvin: float):

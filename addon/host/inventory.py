@@ -4,6 +4,8 @@ from collections.abc import Generator
 
 import bpy
 
+from .steps import finished
+
 __all__ = ["Inventory", "is_foreign", "take", "taking"]
 
 
@@ -69,12 +71,7 @@ def is_foreign(block) -> bool:
 
 def take(scene) -> Inventory:
     """The inventory of a scene; takes a walk over all data-blocks of the file, about 20 µs each."""
-    steps = taking(scene)
-    while True:
-        try:
-            next(steps)
-        except StopIteration as done:
-            return done.value
+    return finished(taking(scene))
 
 
 def taking(scene) -> Generator[None, None, Inventory]:

@@ -2,6 +2,8 @@
 
 import hashlib
 from collections import Counter
+from collections.abc import Generator
+from dataclasses import dataclass
 
 import bpy
 
@@ -10,11 +12,14 @@ from ...core.picture import plan
 from ...core.spectra import library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, lights, sockets
-from ..graph.lamps import named_in
+from ..graph.lamps import first_illuminants
+from ..graph.memory import Memory
 from ..graph.sources import is_grey, sources_of
 from ..host import inventory
+from ..host.steps import finished
+from . import shading
 
-__all__ = ["checksum", "content_of", "dominant"]
+__all__ = ["checksum", "content_of", "dominant", "looking"]
 
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
@@ -24,15 +29,21 @@ _LEAST = 0.1  # of the picture: what colours count for together, however small t
 
 def content_of(scene) -> plan.Content:
     """The surfaces of a scene, each with its part of the picture, its lights, and what they may be switched to."""
-    found, groups = inventory.take(scene), lights.light_groups_of(scene)
-    shadings, lamps = sockets.shadings_of(found)[0], lights.colours_of(found.lights)
-    temperatures = lights.temperatures_of(groups, lamps, shadings)
-    kelvin = {s.owner: temperatures.get(lights.group_of(s, groups)) for s in shadings if temperatures}
+    return finished(looking(scene))
+
+
+def looking(scene) -> Generator[None, None, plan.Content]:
+    """`content_of`, with pauses."""
+    found, shining = yield from _shining(scene)
+    lamps, temperatures = lights.colours_of(found.lights), shining.temperatures
+    kelvin = {s.owner: temperatures.get(lights.group_of(s, shining.groups)) for s in shining.shadings if temperatures}
+    seen = yield from _shares(scene, found)
 
     measured, colours, textures = {}, Counter(), 0.0
-    for sources, seen in _parts(scene, found, lamps, kelvin):
+    for sources, part in _parts(found, seen, lamps, kelvin):
+        yield
         for source in sources:
-            share = seen / len(sources)
+            share = part / len(sources)
             if source is None:
                 textures += share
             elif isinstance(source, tuple):
@@ -49,11 +60,11 @@ def content_of(scene) -> plan.Content:
         colours=list(colours),
         shares=[*(share for _, share in measured.values()), *colours.values()],
         textures=textures,
-        lights=_illuminants(scene, groups, temperatures),
+        lights=_illuminants(scene, shining),
         choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
         space=bpy.data.colorspace.working_space,
-        disperses=any(glass.disperses(node) for shading in shadings for node in shading.tree.nodes),
+        disperses=shining.disperses,
     )
 
 
@@ -66,9 +77,8 @@ def checksum(content: plan.Content) -> str:
     return hashlib.sha256(b"|".join(said)).hexdigest()[:16]
 
 
-def _parts(scene, found: inventory.Inventory, lamps: dict, kelvin: dict):
+def _parts(found: inventory.Inventory, seen: Counter, lamps: dict, kelvin: dict):
     """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
-    seen = _shares(scene, found)
     for owner, share in seen.items():
         yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [_GREY], share
     shining = [*found.lights, *([found.world] if found.world else [])]
@@ -88,18 +98,43 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
     return [lamp.tint] if lamp.temperature in (None, kelvin) else [lamp.tint, None]
 
 
-def _illuminants(scene, groups: list[str], temperatures: dict) -> list:
+@dataclass
+class _Shining:
+    """The light groups that shine in a scene, the temperature of those that are one black body, the illuminants that
+    they begin with, and all that shades the scene; whether any glass makes a spectrum."""
+
+    groups: list[str]
+    temperatures: dict[str, float]
+    firsts: dict[str, str]
+    shadings: list[sockets.Shading]
+    disperses: bool
+
+
+def _shining(scene) -> Generator[None, None, tuple[inventory.Inventory, _Shining]]:
+    """The inventory of a scene, and what shines in it."""
+    surveyed = yield from shading.survey(scene, Memory(is_lasting=False))
+    found, groups, glows, disperses = surveyed.found, list(surveyed.members), {}, False
+    lamps = lights.colours_of(found.lights)
+    for each in sockets.shadings_of(found)[0]:
+        glows[each] = lights.glows_of(each, lamps.get(each.owner))
+        disperses = disperses or any(map(glass.disperses, each.tree.nodes))
+        yield
+    temperatures = lights.temperatures_of(groups, glows)
+    firsts = first_illuminants(scene, groups, temperatures)
+    return found, _Shining(groups, temperatures, firsts, list(glows), disperses)
+
+
+def _illuminants(scene, shining: _Shining) -> list:
     """What shines in the mixer, or will when the scene is set up. The mixer reports what cannot be used."""
-    named = named_in(scene, temperatures)
-    shining = [_illuminant(scene, group, temperatures, named) for group in groups]
-    return list({(spectrum.name, spectrum.values.tobytes()): spectrum for spectrum in shining}.values())
+    found = [_illuminant(scene, group, shining) for group in shining.groups]
+    return list({(spectrum.name, spectrum.values.tobytes()): spectrum for spectrum in found}.values())
 
 
-def _illuminant(scene, group: str, temperatures: dict, named: dict) -> Spectrum:
+def _illuminant(scene, group: str, shining: _Shining) -> Spectrum:
     row = scene.relume.light_groups.get(group)
     try:
         if row is None or not (row.is_property_set("source") or row.is_property_set("illuminant")):
-            return library.illuminant(named.get(group) or lights.first_illuminant(temperatures, group))
+            return library.illuminant(shining.firsts[group])
         return row.spectrum()
     except (library.LibraryError, SpectrumError):
         return library.illuminant("D65")
@@ -107,15 +142,11 @@ def _illuminant(scene, group: str, temperatures: dict, named: dict) -> Spectrum:
 
 def dominant(scene) -> Spectrum:
     """What shines in the light group that the artist called dominant, by default the first. Raises SetupError."""
-    groups, chosen = lights.light_groups_of(scene), scene.relume.dominant_group
+    _, shining = finished(_shining(scene))
+    groups, chosen = shining.groups, scene.relume.dominant_group
     if chosen and chosen not in groups:
         raise SetupError(f"nothing shines in {chosen!r}, the dominant light; there are {', '.join(groups) or 'none'}")
-    if not groups:
-        return library.illuminant("D65")
-    found = inventory.take(scene)
-    shadings, lamps = sockets.shadings_of(found)[0], lights.colours_of(found.lights)
-    temperatures = lights.temperatures_of(groups, lamps, shadings)
-    return _illuminant(scene, chosen or groups[0], temperatures, named_in(scene, temperatures))
+    return _illuminant(scene, chosen or groups[0], shining) if groups else library.illuminant("D65")
 
 
 def _choices(switching: str) -> list:
@@ -124,19 +155,24 @@ def _choices(switching: str) -> list:
     return [library.illuminant(name) for name in _COMMON] if switching == "COMMON" else []
 
 
-def _shares(scene, found: inventory.Inventory) -> Counter:
+def _shares(scene, found: inventory.Inventory) -> Generator[None, None, Counter]:
     """How many of a grid of camera rays hit each material, or the world (None: no material); each used material at
     least a little, for it lights what is seen."""
     shares = Counter()
     for thing in found.objects:
         if not thing.hide_render:
-            shares |= dict.fromkeys(found.materials_of(thing), 0.5)
-    depsgraph = _depsgraph_of(scene)
-    for origin, direction in _camera_rays(scene, depsgraph):
-        hit, _, _, face, thing, matrix = scene.ray_cast(depsgraph, origin, direction)
-        seen = _materials_at(found, thing.evaluated_get(depsgraph), face, matrix) if hit else [found.world]
-        for material in seen:
-            shares[material] += 1 / len(seen)
+            shares.update(dict.fromkeys(found.materials_of(thing), 0))
+        yield
+    shares = Counter(dict.fromkeys(shares, 0.5))
+    rays = list(_camera_rays(scene))
+    for row in range(0, len(rays), _COLUMNS):
+        depsgraph = _depsgraph_of(scene)  # which may be another after a pause
+        for origin, direction in rays[row : row + _COLUMNS]:
+            hit, _, _, face, thing, matrix = scene.ray_cast(depsgraph, origin, direction)
+            seen = _materials_at(found, thing.evaluated_get(depsgraph), face, matrix) if hit else [found.world]
+            for material in seen:
+                shares[material] += 1 / len(seen)
+        yield
     return shares
 
 
@@ -161,13 +197,13 @@ def _materials_at(found: inventory.Inventory, thing, face: int, matrix) -> list:
     return slots[:1] or [None]
 
 
-def _camera_rays(scene, depsgraph):
+def _camera_rays(scene):
     """(origin, direction) of rays spread evenly over the picture."""
     camera = scene.camera
     if camera.type != "CAMERA":
         return  # Blender looks through a lamp as well: nobody knows what is seen
     frame = camera.data.view_frame(scene=scene)  # top right, bottom right, bottom left, top left, in camera space
-    matrix = camera.evaluated_get(depsgraph).matrix_world
+    matrix = camera.evaluated_get(_depsgraph_of(scene)).matrix_world.copy()
     right, down = frame[0] - frame[3], frame[2] - frame[3]
     rows = max(1, round(_COLUMNS * down.length / right.length))
     for y in range(rows):

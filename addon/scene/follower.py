@@ -22,7 +22,19 @@ from ..store import mixer, properties
 from . import faults, passes, planning, rows, setup, shading, view_layers
 from .shading import Shown, matters
 
-__all__ = ["follow", "followed", "forget", "held", "is_at_work", "notice", "settle", "settle_all", "tick", "watch"]
+__all__ = [
+    "edition",
+    "follow",
+    "followed",
+    "forget",
+    "held",
+    "is_at_work",
+    "notice",
+    "settle",
+    "settle_all",
+    "tick",
+    "watch",
+]
 
 _PAUSE = 0.25  # seconds without an edit, after which the artist pauses
 _SLICE = 0.01  # seconds of work at a time
@@ -36,13 +48,15 @@ class _Noticed:
     """What was edited and has not been followed.
 
     owners: of node trees. settings: of a scene or its compositing. everything: more than those. content: what a plan
-    depends on may have changed since it was made. at: when the last edit was. work: what is under way.
+    depends on may have changed since it was made. edition: grows with every edit of anything but settings. at: when the
+    last edit was. work: what is under way.
     """
 
     owners: dict = field(default_factory=dict)
     settings: bool = False
     everything: bool = False
     content: bool = True
+    edition: int = 0
     at: float = 0.0
     work: Iterator | None = None
 
@@ -79,6 +93,7 @@ def forget() -> bool:
     _memories.clear()
     _noticed.done()
     _noticed.everything = _noticed.content = bool(followed())
+    _noticed.edition += 1
     _noticed.at = time.monotonic()
     return _noticed.everything
 
@@ -89,11 +104,12 @@ def notice(scene, depsgraph) -> bool:
     known = shown.things if shown else {}
     for update in depsgraph.updates:
         block = update.id.original
-        if isinstance(block, _SHADING):
-            _noticed.owners[block] = None
-        elif isinstance(block, bpy.types.Scene | bpy.types.CompositorNodeTree):
+        if isinstance(block, bpy.types.Scene | bpy.types.CompositorNodeTree):
             _noticed.settings = True
             continue
+        _noticed.edition += 1
+        if isinstance(block, _SHADING):
+            _noticed.owners[block] = None
         elif isinstance(block, bpy.types.Object):
             if known.get(block.session_uid) == matters(block):
                 continue
@@ -107,6 +123,11 @@ def notice(scene, depsgraph) -> bool:
         animation.count_again()
         _noticed.at, _noticed.work = time.monotonic(), None
     return _noticed.is_any()
+
+
+def edition() -> tuple[int, float]:
+    """(number, seconds): another number once what a camera sees may have changed; how long the last edit is ago."""
+    return _noticed.edition, time.monotonic() - _noticed.at
 
 
 def watch() -> bool:
@@ -257,13 +278,14 @@ def settle_all() -> None:
         before = _shared_by(scenes)
         for scene in scenes:
             settle(scene)
-        if before == _shared_by(scenes):
+        if len(scenes) < 2 or before == _shared_by(scenes):
             break
 
 
-def _shared_by(scenes: list) -> list:
+def _shared_by(scenes: list) -> tuple:
     """What scenes of a file have in common: the numbers of light groups, and the model."""
-    return [(rows.numbers(scene), scene[properties.MODEL]) for scene in scenes if properties.MODEL in scene]
+    numbers = rows.numbers(scenes[0]) if scenes else {}
+    return numbers, [scene.get(properties.MODEL) for scene in scenes]
 
 
 def settle(scene) -> None:

@@ -47,11 +47,7 @@ def paste(row, shines: dict) -> None:
 def members(scene, name: str) -> list:
     """The objects that shine in a light group."""
     shining = [thing for thing in lights.emitters_of(scene) if isinstance(thing, bpy.types.Object)]
-    return [thing for thing in shining if _group(thing) == name]
-
-
-def _group(thing) -> str:
-    return EVERYTHING_ELSE if lights.why_unusable(thing.lightgroup) else thing.lightgroup or EVERYTHING_ELSE
+    return [thing for thing in shining if lights.group_named_by(thing) == name]
 
 
 def select(context, name: str) -> list[str]:

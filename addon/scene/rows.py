@@ -45,7 +45,7 @@ def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list
 
     before: what shone in each group when the rows were written (`members_of`). now: what does.
     A row whose group is gone follows its lamps, where these are all in one group that is new: in Blender's own lists a
-    group is renamed so. So does a row of which nobody knows the lamps, if it is the only one without and one named
+    group is renamed so. So does a row of which nobody knows the lamps, if it is the only one that lost them and one
     group is new. Otherwise a row stays, without light and behind the others, if the artist chose anything in it.
     """
     settings = scene.relume

@@ -16,6 +16,7 @@ from ...core.picture.mix import Light, Mix
 from ..graph import glass, insertion, lamps, lights, nodes, sockets, spectra
 from ..graph.memory import Memory
 from ..host import interruption, viewing
+from ..host.steps import finished
 from ..store import mixer, mixes, properties, remarks, schema
 from ..store.mixer import CURVE
 from . import compositing, faults, note, passes, planning, render_settings, rows, shading, surfaces, view_layers
@@ -114,16 +115,7 @@ def _give_back(scenes: list, before: dict) -> str:
 
 def _put_in(scene, model: FactorModel, members: dict) -> None:
     """Bring all that a scene carries in line at once."""
-    _finished(bring_in_line(scene, model, members))
-
-
-def _finished(steps: Generator):
-    """What a generator returns in the end."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as done:
-            return done.value
+    finished(bring_in_line(scene, model, members))
 
 
 def bring_in_line(
@@ -163,11 +155,11 @@ def _give_illuminants(scene, temperatures: dict[str, float]) -> None:
     """Have the rows of the mixer show black bodies and named lamps of the scene, where the artist chose nothing."""
     before = scene[rows.GIVEN].to_dict() if rows.GIVEN in scene else {}
     given = {}
-    named = lamps.named_in(scene, temperatures)
+    firsts = lamps.first_illuminants(scene, [row.name for row in scene.relume.lit], temperatures)
     for row in scene.relume.lit:
         if row.is_property_set("illuminant") and row.illuminant != before.get(row.name):
             continue
-        first = named.get(row.name) or lights.first_illuminant(temperatures, row.name)
+        first = firsts[row.name]
         if first != row.bl_rna.properties["illuminant"].default:
             given[row.name] = first
             if row.illuminant != first:
@@ -255,12 +247,12 @@ def update(scene, model: FactorModel | None = None, memory: Memory | None = None
     model: another one than it has; the other scenes of the file, which share it, get it too. memory: what is known of
     its node trees. Returns what the scene shows. Raises SetupError.
     """
-    surveyed = _finished(shading.survey(scene, memory or Memory(is_lasting=False)))
+    surveyed = finished(shading.survey(scene, memory or Memory(is_lasting=False)))
     faults.check(scene, bool(surveyed.members))
     schema.check(scene)
     model = model or scene.relume.model()
     with interruption.held_back(), mixer.quiet():
-        shown = _finished(bring_in_line(scene, model, rows.members_of(scene), surveyed=surveyed))
+        shown = finished(bring_in_line(scene, model, rows.members_of(scene), surveyed=surveyed))
         for each in _others_without(scene, json.dumps(model.to_dict())):
             _put_in(each, model, rows.members_of(each))
     viewing.redraw()

@@ -5,6 +5,7 @@ Panels only draw; what they lack is worked out once the artist pauses. Nothing o
 
 import json
 import time
+from collections.abc import Generator
 from contextlib import suppress
 
 import bpy
@@ -15,7 +16,9 @@ from bpy.types import Operator
 from ...core.errors import RelumeError
 from ...core.picture import coefficients, description, expectation
 from ...core.picture.content import Content
-from ..scene import content, setup
+from ..host import viewing
+from ..host.steps import finished
+from ..scene import content, follower, setup
 from ..scene.exr import current_file
 from ..store import mixer, properties
 from . import icons
@@ -25,21 +28,21 @@ __all__ = ["CLASSES", "draw_dot", "draw_mix", "register", "unregister", "work_ou
 
 _PAUSE = 0.4  # seconds without an edit, after which a scene is looked at again
 _WAIT = 0.01  # seconds: Blender draws first
+_SLICE = 0.01  # seconds of work at a time
 _MOST = 500  # expectations that are kept
 
-_shown: dict[int, tuple[int, Content | None]] = {}  # by the scene's session_uid: the edit it is of, what it shows
+_shown: dict[int, tuple[int, Content | None]] = {}  # by the scene's session_uid: the edition it is of, what it shows
 _found: dict[tuple, expectation.Expectation | str] = {}  # by `_key`: what is expected, or why nothing is
 _last: dict[tuple, expectation.Expectation | str] = {}  # by scene and row: what was shown last, until there is better
 _advice: dict[tuple, str] = {}  # by `_of_mix`: what would help
 _advising: dict[str, tuple | None] = {"key": None}
 _waiting: set[str] = set()  # names of scenes that are about to be looked at
-_edits = {"number": 0, "at": 0.0}
 
 
 def _key(settings, said: str) -> tuple:
     scene = settings.id_data
     seen = settings.observer_measured if settings.observer == properties.FILE else settings.observer
-    return scene.session_uid, _edits["number"], hash(scene[properties.MODEL]), seen, said
+    return scene.session_uid, follower.edition()[0], hash(scene[properties.MODEL]), seen, said
 
 
 def _of_row(settings, row) -> tuple:
@@ -53,8 +56,14 @@ def _of_mix(settings) -> tuple:
 
 def work_out(scene) -> None:
     """Work out what every light of a scene, and its mix, is expected to be."""
+    finished(_working_out(scene))
+
+
+def _working_out(scene) -> Generator[None, None, None]:
+    """`work_out`, with pauses."""
     settings = scene.relume
-    shows, model = _content(scene), settings.model()
+    shows = yield from _content(scene)
+    model = settings.model()
     if len(_found) > _MOST:
         _found.clear()
     try:
@@ -63,10 +72,10 @@ def work_out(scene) -> None:
         for key in (_of_mix(settings), *(_of_row(settings, row) for row in settings.lit)):
             _found[key] = str(error)
         return
-    for row in settings.lit:
-        key, light = _of_row(settings, row), mix.lights[row.name]
+    for key, light in [(_of_row(settings, row), mix.lights[row.name]) for row in settings.lit]:
         if key not in _found:
             _found[key] = _or_why(expectation.expected_of, model, shows, light, mix.observer)
+            yield
     _found[_of_mix(settings)] = _or_why(expectation.expected, model, shows, mix)
 
 
@@ -77,17 +86,17 @@ def _or_why(expected, *arguments) -> expectation.Expectation | str:
         return str(error)
 
 
-def _content(scene) -> Content | None:
+def _content(scene) -> Generator[None, None, Content | None]:
     """What a scene shows, as it was at the last edit; None for an EXR that does not say."""
+    edition, _ = follower.edition()
     kept = _shown.get(scene.session_uid)
-    if kept is None or kept[0] != _edits["number"]:
-        kept = _shown[scene.session_uid] = _edits["number"], _look(scene)
+    if kept is None or kept[0] != edition:
+        shows = _kept_in_file(scene) if scene.relume.exr else (yield from content.looking(scene))
+        kept = _shown[scene.session_uid] = edition, shows
     return kept[1]
 
 
-def _look(scene) -> Content | None:
-    if not scene.relume.exr:
-        return content.content_of(scene)
+def _kept_in_file(scene) -> Content | None:
     described = description.from_json(scene[properties.STOCK]) if properties.STOCK in scene else None
     try:
         return coefficients.describe(current_file(scene), described).shows
@@ -96,28 +105,36 @@ def _look(scene) -> Content | None:
 
 
 def _soon(name: str) -> None:
-    """Work it out once Blender has drawn and the artist pauses: a panel may not compute anything."""
+    """Work it out once Blender has drawn and the artist pauses, a slice at a time: a panel may not compute anything."""
     if name in _waiting:
         return
     _waiting.add(name)
+    steps, begun = None, None
 
     def work() -> float | None:
+        nonlocal steps, begun
         scene = bpy.data.scenes.get(name)
-        if bpy.app.is_job_running("RENDER") or time.monotonic() - _edits["at"] < _PAUSE:
+        edition, ago = follower.edition()
+        if bpy.app.is_job_running("RENDER") or ago < _PAUSE:
+            return _PAUSE
+        try:
+            if scene is not None and scene.relume.is_set_up:
+                if begun != edition:
+                    steps, begun = _working_out(scene), edition
+                until = time.monotonic() + _SLICE
+                while time.monotonic() < until:
+                    next(steps)
+                return _WAIT
+        except StopIteration:
+            pass
+        except ReferenceError:  # a data-block went away meanwhile
+            begun = None
             return _PAUSE
         _waiting.discard(name)
-        if scene is not None and scene.relume.is_set_up:
-            work_out(scene)
-        _redraw()
+        viewing.redraw()
         return None
 
     bpy.app.timers.register(work, first_interval=_WAIT)
-
-
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            area.tag_redraw()
 
 
 def _known(settings, key: tuple, name: str) -> expectation.Expectation | str | None:
@@ -169,8 +186,10 @@ def _better(settings) -> str:
                 return
             _advice.clear()
             with suppress(RelumeError):
-                _advice[key] = expectation.advice(scene.relume.model(), _content(scene), setup.lighting(scene))
-            _redraw()
+                _advice[key] = expectation.advice(
+                    scene.relume.model(), finished(_content(scene)), setup.lighting(scene)
+                )
+            viewing.redraw()
 
         bpy.app.timers.register(advise, first_interval=2 * _PAUSE)
     return _advice.get(key, "")
@@ -206,21 +225,12 @@ class Expected(Operator):
         scene = context.scene
         try:
             mix = setup.lighting(scene)
-            better = expectation.advice(scene.relume.model(), _content(scene), mix)
+            better = expectation.advice(scene.relume.model(), finished(_content(scene)), mix)
         except RelumeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, f"What would help: {better}" if better else "Nothing needs help")
         return {"FINISHED"}
-
-
-@persistent
-def _edited(scene, depsgraph) -> None:
-    """What a scene shows may be another after an edit of anything but a scene or its compositing."""
-    kinds = (bpy.types.Scene, bpy.types.CompositorNodeTree)
-    if any(not isinstance(update.id.original, kinds) for update in depsgraph.updates):
-        _edits["number"] += 1
-        _edits["at"] = time.monotonic()
 
 
 @persistent
@@ -236,13 +246,11 @@ CLASSES = (Expected,)
 def register() -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
-    bpy.app.handlers.depsgraph_update_post.append(_edited)
     bpy.app.handlers.load_post.append(_forget)
 
 
 def unregister() -> None:
     bpy.app.handlers.load_post.remove(_forget)
-    bpy.app.handlers.depsgraph_update_post.remove(_edited)
     _forget()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

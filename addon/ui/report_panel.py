@@ -7,6 +7,7 @@ from bpy.props import IntProperty, StringProperty
 from bpy.types import Operator
 
 from ..cli import background
+from ..host import viewing
 from . import mixer_panels
 from .panel_places import in_both_places
 from .translation import said
@@ -17,17 +18,10 @@ _SECONDS = 0.5  # between two looks at the report
 _SHOWN = 12  # rows of its table
 
 
-def _redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"VIEW_3D", "PROPERTIES"}:
-                area.tag_redraw()
-
-
 def _follow() -> float | None:
     """Show how far the report is, until it is done."""
     report = background.current()
-    _redraw()
+    viewing.redraw()
     return _SECONDS if report is not None and report.is_running else None
 
 

@@ -11,7 +11,7 @@ from bpy.utils import register_classes_factory
 from ...core.errors import RelumeError, SetupError
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.spectra import files
-from ..graph import places, spectra
+from ..graph import lights, places, spectra
 from ..store import mixer
 from ..store.mixes import FILE
 from . import material_panel, under_cursor
@@ -32,8 +32,7 @@ _USES = [
 
 def row_of(scene, thing):
     """The row of the mixer that a lamp's light is in, None where the scene is not set up or the lamp is not in it."""
-    name = thing.lightgroup or EVERYTHING_ELSE
-    return scene.relume.light_groups.get(name) if scene.relume.is_set_up else None
+    return scene.relume.light_groups.get(lights.group_named_by(thing)) if scene.relume.is_set_up else None
 
 
 class _Of:

@@ -354,3 +354,12 @@ def test_a_scene_in_the_dark_is_refused(startup):
     startup.world = None
     with pytest.raises(ValueError, match="needs at least one light"):
         content.content_of(startup)
+
+
+def test_a_scene_is_looked_at_piece_by_piece(startup):
+    for number in range(40):
+        material = bpy.data.materials.new("paint")
+        startup.collection.objects.link(bpy.data.objects.new("thing", bpy.data.meshes.new("thing")))
+        startup.objects["thing" if not number else f"thing.{number:03}"].data.materials.append(material)
+    pieces = sum(1 for _ in content.looking(startup))
+    assert pieces > 2 * 40, "a pause for every material and object, so that a window goes on"
