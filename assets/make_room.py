@@ -1,7 +1,6 @@
 """Build the room of `room.py` in Blender and save it as a .blend: `python -m relume.assets.make_room [PATH]`."""
 
 import math
-import sys
 from pathlib import Path
 
 import bpy
@@ -10,6 +9,7 @@ from mathutils import Vector
 from ..addon.graph import spectra
 from ..core.spectra import library
 from . import room
+from .saving import save_built
 
 __all__ = ["PATH", "build", "main"]
 
@@ -134,14 +134,7 @@ def _choose_settings(scene):
 
 
 def main(arguments=None):
-    from .. import register
-
-    if not hasattr(bpy.types.Scene, "relume"):
-        register()
-    path = Path((arguments or sys.argv[1:] or [PATH])[0])
-    build()
-    bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True)
-    print(path)
+    save_built(build, PATH, arguments)
 
 
 if __name__ == "__main__":

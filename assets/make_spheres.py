@@ -7,7 +7,6 @@ patch 2. The pairs are designed (`palettes/metamer_pairs.toml`): those of the pa
 """
 
 import math
-import sys
 from pathlib import Path
 
 import bpy
@@ -17,6 +16,7 @@ from ..addon.graph import spectra
 from ..core.spectra import library
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 from ..studies import multispectral
+from .saving import save_built
 
 __all__ = ["BOUNCES", "NAMES", "PATH", "build", "main"]
 
@@ -91,14 +91,7 @@ def _add_camera(scene):
 
 
 def main(arguments=None):
-    from .. import register
-
-    if not hasattr(bpy.types.Scene, "relume"):
-        register()
-    path = Path((arguments or sys.argv[1:] or [PATH])[0])
-    build()
-    bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True)
-    print(path)
+    save_built(build, PATH, arguments)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ Fruit, glass, metal, a cloth and a print on the wall. The print is painted with 
 one grey in daylight, a landscape under other lamps.
 """
 
-import sys
 from pathlib import Path
 
 import bpy
@@ -13,6 +12,7 @@ from mathutils import Vector
 from ..core.picture.mix import Light
 from ..core.spectra import library
 from . import still_life_things as things
+from .saving import save_built
 
 __all__ = ["LIGHTS", "PATH", "build", "main"]
 
@@ -105,14 +105,7 @@ def _choose_settings(scene):
 
 
 def main(arguments=None):
-    from .. import register
-
-    if not hasattr(bpy.types.Scene, "relume"):
-        register()
-    path = Path((arguments or sys.argv[1:] or [PATH])[0])
-    build()
-    bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True)
-    print(path)
+    save_built(build, PATH, arguments)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ rendered once with a model; every lighting is made of that afterwards.
 
 import argparse
 import html
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,8 +16,7 @@ import bpy
 import numpy as np
 
 from ..addon.cli import commands
-from ..addon.host.console import Progress
-from ..addon.scene import render, render_settings, setup
+from ..addon.scene import render, render_settings
 from ..assets import make_spheres, make_volumes
 from ..core import results
 from ..core.colour import differences, spaces
@@ -72,16 +70,6 @@ class Entry:
         return "\n".join(parts)
 
 
-def _rendered(scene, model, words: str) -> coefficients.CoefficientImage:
-    setup.set_up(scene, model)
-    progress = Progress(model.passes, f"{words:<24}")
-    try:
-        with tempfile.TemporaryDirectory() as folder:
-            return render.render(scene, Path(folder), progress).image
-    finally:
-        progress.done()
-
-
 def _xyz(image, illuminant, gain: float = 1.0) -> np.ndarray:
     return coefficients.to_xyz(image, dict.fromkeys(image.groups, Light(illuminant, gain)))
 
@@ -109,7 +97,7 @@ def spheres(out: Path, samples: int, _: Path | None) -> list[Entry]:
     scene = bpy.context.scene
     scene.cycles.samples = samples
     render_settings.compare(scene)
-    images = {name: _rendered(scene, make(), f"spheres, {name}") for name, make in SPHERES.items()}
+    images = {name: room_accuracy.render_room(scene, make(), f"spheres, {name}") for name, make in SPHERES.items()}
     truth, pictures, rows = next(iter(images.values())), [], []
     for light, words in LIGHTS.items():
         illuminant = library.illuminant(light)
@@ -141,7 +129,7 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
         scene = make_volumes.build(name)
         scene.cycles.samples = max(samples // 8, 1)  # nothing scatters: they smooth edges
         render_settings.compare(scene)
-        image = _rendered(scene, bases.fitted(9), f"{name}, 9 channels")
+        image = room_accuracy.render_room(scene, bases.fitted(9), f"{name}, 9 channels")
         full, apart_from_mixture = _unmixed(image, make_volumes.reflectances(name))
         group = next(iter(image.groups))
         exr, lamps = out / f"{name}.exr", out / f"{name}_lights.csv"
