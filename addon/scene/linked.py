@@ -18,20 +18,20 @@ def make_local(scene) -> list[str]:
     them; returns the names of the former. What cannot be found stays linked. The libraries stay as they are."""
     names = {}
     for _ in range(len(_ORDER)):  # where a copy was made, something linked used it still
-        foreign = _untouchable(scene)
+        found = inventory.take(scene)
+        foreign = _untouchable(found)
         if not foreign:
             break
         names |= dict.fromkeys(block.name for block in foreign)
-        for block in sorted(_foreign_users(scene, foreign), key=_rank):
+        for block in sorted(_foreign_users(found, foreign), key=_rank):
             block.make_local()
     if scene.relume.is_set_up and names:
         setup.update(scene)
     return list(names)
 
 
-def _untouchable(scene) -> list:
-    """What shades the scene and cannot be changed, but for what was set up in its own file."""
-    found = inventory.take(scene)
+def _untouchable(found: inventory.Inventory) -> list:
+    """What shades a scene and cannot be changed, but for what was set up in its own file."""
     owners = [*found.materials, *found.lights, *([found.world] if found.world else [])]
     trees = [(owner, owner.node_tree) for owner in owners]
     trees += [(block, block) for block in found.blocks if isinstance(block, bpy.types.ShaderNodeTree)]
@@ -44,16 +44,16 @@ def _is_foreign(block) -> bool:
     return inventory.is_foreign(block) and not block.is_missing
 
 
-def _foreign_users(scene, blocks: list) -> dict:
+def _foreign_users(found: inventory.Inventory, blocks: list) -> list:
     """Blocks that are not the file's own, with all such that use them, directly or not, in the order of the scene."""
     users, waiting = bpy.data.user_map(), list(blocks)
-    found = set(waiting)
+    reached = set(waiting)
     while waiting:
         for user in users.get(waiting.pop(), ()):
-            if user not in found and _is_foreign(user) and not isinstance(user, bpy.types.Scene):
-                found.add(user)
+            if user not in reached and _is_foreign(user) and not isinstance(user, bpy.types.Scene):
+                reached.add(user)
                 waiting.append(user)
-    return dict.fromkeys(block for block in inventory.take(scene).blocks if block in found)
+    return [block for block in found.blocks if block in reached]
 
 
 def _rank(block) -> int:
