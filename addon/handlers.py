@@ -5,7 +5,17 @@ from bpy.app.handlers import persistent
 
 from ..core.errors import RelumeError
 from .graph import nodes
-from .scene import baking, comparison, follower, light_groups, note, render, setup, view_layers
+from .scene import (
+    baking,
+    comparison,
+    follower,
+    kept,
+    light_groups,
+    note,
+    render,
+    setup,
+    view_layers,
+)
 from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
@@ -61,9 +71,9 @@ def _soon() -> None:
 
 def _watch() -> float:
     """Timer in a window."""
-    if not _is_playing() and follower.watch():
+    if not _is_playing() and follower.watch(kept.is_due()):
         _soon()
-    return 1.0
+    return 0.25 if kept.is_pending() else 1.0
 
 
 @persistent
@@ -133,6 +143,44 @@ def _note(scene, *_) -> None:
 
 
 @persistent
+def _denoise_again(*_) -> None:
+    kept.forget()
+
+
+@persistent
+def _keep_denoised(scene, *_) -> None:
+    if not bpy.app.background and scene.relume.is_set_up and scene.is_editable:
+        kept.begin(scene)
+
+
+@persistent
+def _next_frame(*_) -> None:
+    kept.next_frame()
+
+
+@persistent
+def _rendered(*_) -> None:
+    kept.end(True)
+
+
+@persistent
+def _cancelled(*_) -> None:
+    kept.end(False)
+
+
+@persistent
+def _put_aside(*_) -> None:
+    kept.hold()
+
+
+@persistent
+def _put_back(*_) -> None:
+    kept.hold(False)
+    for scene in follower.followed():
+        kept.put(scene)
+
+
+@persistent
 def _before_saving(*_) -> None:
     for scene in bpy.data.scenes:
         _bake(scene)
@@ -154,14 +202,23 @@ _HANDLERS = (
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
     ("animation_playback_post", _look_again),
+    ("render_init", _denoise_again),
     ("render_init", _settle),
     ("render_init", _bake),
     ("render_init", _note),
+    ("render_init", _keep_denoised),
+    ("render_pre", _next_frame),
     ("render_complete", _forget),
+    ("render_complete", _rendered),
     ("render_cancel", _forget),
+    ("render_cancel", _cancelled),
+    ("save_pre", _put_aside),
     ("save_pre", _settle),
     ("save_pre", _before_saving),
     ("save_post", _forget_all),
+    ("save_post", _put_back),
+    ("save_post_fail", _put_back),
+    ("load_post", _denoise_again),
     ("load_post", _forget_all),
     ("load_post", _loaded),
 )
@@ -174,6 +231,7 @@ _CHANGES = {
 
 
 def register() -> None:
+    kept.hold(False)
     for change, function in _CHANGES.items():
         changes.follow(change, function)
     for name, function in _HANDLERS:
@@ -187,5 +245,8 @@ def unregister() -> None:
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
     changes.forget()
+    kept.hold()
+    for scene in follower.followed():
+        kept.put(scene)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

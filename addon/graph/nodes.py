@@ -21,6 +21,7 @@ __all__ = [
     "inserted_before",
     "is_undo_unsafe",
     "keep_spares",
+    "kept_image",
     "mixed",
     "multiply_add",
     "new_tree",
@@ -70,6 +71,13 @@ def keep_spares() -> None:
     for kind, count in _SPARES.items():
         for _ in range(count - len(_spares(kind))):
             bpy.data.node_groups.new("Relume Spare", kind)[ROLE] = "spare"
+    if not bpy.app.background and kept_image() is None:
+        bpy.data.images.new("Relume Denoised", 1, 1)[ROLE] = "denoised"
+
+
+def kept_image():
+    """The image of Relume's own that shows what a render in this window denoised; None where there is none yet."""
+    return next((image for image in bpy.data.images if image.get(ROLE) == "denoised" and image.library is None), None)
 
 
 def is_undo_unsafe(now_safe: bool = False) -> bool:
@@ -216,6 +224,9 @@ def clear_orphans() -> None:
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:
                 delete(tree)
+    image = kept_image()
+    if image is not None and image.users == 0 and not _staying:
+        bpy.data.images.remove(image)
 
 
 def delete(tree) -> None:

@@ -13,10 +13,11 @@ from ..graph import node_groups, nodes
 from ..host import denoising
 from ..store import properties
 from ..store.remarks import Remark
-from . import comparison, view_layers
+from . import comparison, kept, view_layers
 from .comparison import COMPARISON, LINE
 from .compositing_nodes import (
     ADDED,
+    PART,
     SOURCE,
     belongs,
     fed,
@@ -66,6 +67,7 @@ def patch(scene, groups: list[str]) -> bool:
     if _is_anothers(scene):
         scene.compositing_node_group = None
     if _is_right(scene, groups):
+        kept.put(scene)
         return False
     _take_out_all(scene)
     layers = view_layers.pass_layers(scene)
@@ -79,6 +81,7 @@ def patch(scene, groups: list[str]) -> bool:
             for node in shown:
                 _feed(tree, node, group, copies, groups)
     scene[_WIRING] = _wiring(scene, groups)
+    kept.put(scene)
     return True
 
 
@@ -121,12 +124,12 @@ def _wiring(scene, groups: list[str]) -> str:
     made_for = [groups, layers, scene.relume.denoises_passes, cycles.use_denoising]
     if cycles.use_denoising:
         made_for += [denoising.guides_of(scene), denoising.prefilter_of(scene)]
-    added = [node for node in tree.nodes if ADDED in node and COMPARISON not in node]
-    shown = [(node.name, getattr(node, "layer", ""), node.mute) for node in [*added, *fed(scene)]]
+    added = [node for node in tree.nodes if ADDED in node and COMPARISON not in node and kept.KEPT not in node]
+    shown = [(node.name, getattr(node, "layer", ""), node.mute, node.get(PART, "")) for node in [*added, *fed(scene)]]
+    ends = [(kept.source_of(link), link) for link in tree.links if link.to_node in added]
     links = [
-        (link.from_node.name, link.from_socket.identifier, link.to_node.name, link.to_socket.name, link.is_muted)
-        for link in tree.links
-        if ADDED in link.to_node and COMPARISON not in link.to_node
+        (source.node.name, source.identifier, link.to_node.name, link.to_socket.name, link.is_muted)
+        for source, link in ends
     ]
     return json.dumps([made_for, sorted(shown), sorted(links)])
 
@@ -148,13 +151,14 @@ def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
     recombination.node_tree = group
     recombination.label = "Relume"
     tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
-    apart = first.scene.relume.denoises_passes and len(renders) > 1
+    apart = first.scene.relume.denoises_passes
     for row, name in enumerate(groups):
         image = "Image" if name == EVERYTHING_ELSE else light_pass(name)
         for k, node in enumerate(renders):
             part = node.outputs[image]
             if apart:
                 part = _denoise(tree, node, part, 0.75, row / len(groups))
+                part.node[PART] = f"part {sum(PART in other for other in tree.nodes)}"
             tree.links.new(part, recombination.inputs[f"{name} {k + 1}"])
         for user in users.get(image, ()) if image != "Image" else ():
             tree.links.new(recombination.outputs[image], user)
@@ -202,6 +206,7 @@ def follow_names(scene, names: dict[str, str]) -> None:
 
 def rename(scene, before: str, after: str) -> None:
     """Follow a light group that got a new name on the view layers: sockets, and the passes that feed them."""
+    kept.take_out(scene)
     tree = scene.compositing_node_group
     fed = []  # Render Layers node, the node that it feeds, and by which input
     for node in recombinations(scene):
@@ -256,6 +261,7 @@ def _take_out_all(scene) -> None:
         del scene[_WIRING]
     if scene.compositing_node_group is not None:
         comparison.end(scene)
+        kept.take_out(scene)
         _clear(scene.compositing_node_group, scene)
     for tree in left_behind(scene):
         _clear(tree, scene)

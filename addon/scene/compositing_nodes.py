@@ -8,6 +8,7 @@ from ..graph import nodes
 
 __all__ = [
     "ADDED",
+    "PART",
     "SOURCE",
     "belongs",
     "fed",
@@ -21,6 +22,7 @@ __all__ = [
 
 SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 ADDED = "relume_added"  # on the nodes that Relume added
+PART = "relume_part"  # on a node that denoises one light group of one pass: what it is called in a file
 
 
 def fed(scene, tree=None) -> list:

@@ -130,10 +130,11 @@ def edition() -> tuple[int, float]:
     return _noticed.edition, time.monotonic() - _noticed.at
 
 
-def watch() -> bool:
-    """Take note of what Blender tells nobody: view layers that came, samples that a script changed; whether any did."""
+def watch(rendered: bool = False) -> bool:
+    """Take note of what Blender tells nobody: view layers that came, samples that a script changed; whether any did, or
+    a render has ended."""
     now = {scene.session_uid: _watched(scene) for scene in followed()}
-    changed = now != _seen and not mixer.is_quiet()
+    changed = (now != _seen or rendered) and not mixer.is_quiet()
     if changed:
         _seen.clear()
         _seen.update(now)

@@ -163,9 +163,9 @@ class SceneSettings(PropertyGroup):
     )
     denoise_passes: BoolProperty(
         name="Denoise Every Pass",
-        description="Denoise every light group of every pass by itself, and not the picture: nearer to the true "
-        "colours, but each change of light takes as many denoisings",
-        default=False,
+        description="Denoise every light group of every pass by itself, once for each render, and not the picture, "
+        "again at each change of light: nearer to the true colours",
+        default=True,
         update=_denoising_chosen,
     )
     light_groups: CollectionProperty(type=LightGroup)

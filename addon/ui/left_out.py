@@ -75,7 +75,7 @@ class _LeftOut:
 
     def draw(self, context) -> None:
         settings = context.scene.relume
-        if context.scene.cycles.use_denoising and settings.model().passes > 1:
+        if context.scene.cycles.use_denoising:
             self.layout.prop(settings, "denoise_passes")
         key = _key(context.scene)
         if key not in _known:
