@@ -39,7 +39,7 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     return {
         "as rendered": picture,
         "the picture alone": denoising.denoised(picture),
-        "guides of the first pass (the compositor)": denoising.denoised(picture, guides[0]),
+        "guides of the first pass (without *Denoise Every Pass*)": denoising.denoised(picture, guides[0]),
         "guides of all passes": together,
         "the passes' brightness made alike first, then the same": denoising.denoised(equalised, joint),
         "every pass, its light groups together": _each_pass(coefficients, matrices, guides),

@@ -1,10 +1,11 @@
 """What a click in the mixer takes: from the changed property to the numbers in the sockets, compositor and preview.
 
-    python -m relume.benchmarks.mixer [--materials 10 2000] [--groups 8] [--channels 12]
+    python -m relume.benchmarks.mixer [--materials 10 2000] [--groups 8] [--channels 12] [--composited 1080x1 ...]
 
 A scene of spheres with a material each and lamps in groups of their own; every click gives one group an illuminant
-that it has not had, so that its relight matrix is fitted. Blender's own compositing is timed apart, on a frame of
-1920 × 1080 that is composited again from images, without the render.
+that it has not had, so that its relight matrix is fitted. Blender's own compositing is timed apart, on coefficients
+that it reads from a file, without a render: as it is after a render in a window, with the picture denoised at each
+change of light, and with each light group of each pass denoised, which is what every render does once.
 """
 
 import argparse
@@ -56,21 +57,37 @@ def _clicks(scene, names: list[str]) -> np.ndarray:
     return np.array(seconds)
 
 
-def _compositing(folder, groups: int, channels: int) -> float:
-    """Seconds in which Blender composites a frame of 1920 × 1080 of coefficients that were rendered before."""
+def _compositing(folder, height: int, groups: int, channels: int) -> dict[str, float]:
+    """Seconds in which Blender composites a 16:9 frame of coefficients from a file, by way of denoising."""
     model = bases.fitted(channels)
     names = [f"group {g}" for g in range(groups)]
-    pixels = np.random.default_rng(1).random((1080, 1920, channels), dtype=np.float32)
+    size = (height, height * 16 // 9)
+    pixels = np.random.default_rng(1).random((*size, channels), dtype=np.float32)
     image = coefficients.CoefficientImage(
         model=model,
         groups=dict.fromkeys(names, pixels),
         illuminants=dict.fromkeys(names, library.illuminant("D65")),
-        alpha=np.ones((1080, 1920), np.float32),
+        alpha=np.ones(size, np.float32),
     )
-    path = folder / "coefficients.exr"
+    path = folder / f"{height} {groups}.exr"
     coefficients.write(path, image, render.picture(image, dict.fromkeys(names, Light(library.illuminant("D65")))))
     scene = exr.new_scene(path)
     scene.render.compositor_device = "CPU"
+    tree = scene.compositing_node_group
+    (output,) = (node for node in tree.nodes if node.type == "GROUP_OUTPUT")
+    (recombination_node,) = (node for node in tree.nodes if node.type == "GROUP")
+    guides = [_flat(name, size) for name in ("Albedo", "Normal")]
+    seconds = {"read": _switches(scene)}
+    _denoise_before(tree, [output.inputs[0]], guides)
+    seconds["picture denoised"] = _switches(scene)
+    _denoise_before(tree, [socket for socket in recombination_node.inputs if socket.is_linked], guides)
+    both = _switches(scene)
+    seconds["each pass denoised"] = both - seconds["picture denoised"] + seconds["read"]
+    bpy.data.scenes.remove(scene)
+    return seconds
+
+
+def _switches(scene) -> float:
     times = []
     for name in ("A", "FL2", "FL11"):
         scene.relume.light_groups[0].source = "LIBRARY"
@@ -81,6 +98,25 @@ def _compositing(folder, groups: int, channels: int) -> float:
     return min(times)
 
 
+def _flat(name: str, size: tuple[int, int]):
+    image = bpy.data.images.new(name, *reversed(size), float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    return image
+
+
+def _denoise_before(tree, sockets: list, guides: list) -> None:
+    sources = []
+    for image in guides:
+        sources.append(tree.nodes.new("CompositorNodeImage"))
+        sources[-1].image = image
+    for socket in sockets:
+        node = tree.nodes.new("CompositorNodeDenoise")
+        tree.links.new(socket.links[0].from_socket, node.inputs["Image"])
+        for source, guide in zip(sources, ("Albedo", "Normal"), strict=True):
+            tree.links.new(source.outputs["Image"], node.inputs[guide])
+        tree.links.new(node.outputs["Image"], socket)
+
+
 def main():
     import tempfile
     from pathlib import Path
@@ -89,6 +125,8 @@ def main():
     parser.add_argument("--materials", type=int, nargs="+", default=[10, 2000])
     parser.add_argument("--groups", type=int, default=8)
     parser.add_argument("--channels", type=int, default=12)
+    frames = ["1080x1", "1080x4", "1080x12", "2160x1", "2160x4"]
+    parser.add_argument("--composited", nargs="*", default=frames, metavar="HEIGHTxGROUPS", help="(%(default)s)")
     arguments = parser.parse_args()
     relume.register()
     families = library.illuminants()
@@ -107,9 +145,15 @@ def main():
             f"{1000 * np.median(known):.1f} |",
             flush=True,
         )
-    with tempfile.TemporaryDirectory() as folder:
-        seconds = _compositing(Path(folder), arguments.groups, arguments.channels)
-    print(f"Blender's compositing of 1920 × 1080, on this machine's CPU, files read: {seconds:.2f} s")
+    print("\nCompositing, seconds on this machine's CPU, p = 9")
+    print("| height | light groups | read | picture denoised, over that | each pass denoised, over that |")
+    print("|---|---|---|---|---|")
+    for frame in arguments.composited:
+        height, groups = map(int, frame.split("x"))
+        with tempfile.TemporaryDirectory() as folder:
+            seconds = _compositing(Path(folder), height, groups, 9)
+        ratios = [seconds[way] / seconds["read"] for way in ("picture denoised", "each pass denoised")]
+        print(f"| {height} | {groups} | {seconds['read']:.2f} | {ratios[0]:.1f} | {ratios[1]:.1f} |", flush=True)
 
 
 if __name__ == "__main__":
