@@ -1,8 +1,9 @@
 """The ways to make a factor model.
 
 [DF] M. S. Drew, G. D. Finlayson, "Multispectral processing without spectra", JOSA A 20 (2003).
+
 [WE] G. Ward, E. Eydelberg-Vileshin, "Picture perfect RGB rendering using spectral prefiltering and sharp color
-     primaries", Eurographics Workshop on Rendering (2002).
+primaries", Eurographics Workshop on Rendering (2002).
 """
 
 from collections.abc import Callable, Sequence

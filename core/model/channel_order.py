@@ -20,7 +20,7 @@ def balanced(model: FactorModel) -> FactorModel:
     """The same model with its channels in an order in which every three of them make up a third of white.
 
     The noise of the channels of one pass is the same; that of the passes is independent. With v_k the XYZ of a white
-    surface that pass k adds, a picture's variance is that of the sum of e_k v_k, so the sum of |v_k|^2 is made least,
+    surface that pass k adds, a picture's variance is that of the sum of e_k v_k, so the sum of `|v_k|²` is made least,
     in the metric of CIEDE2000 at white. Where all v_k are equal it is that of an RGB render with as many samples.
     In every pass the channel of the longest wavelengths comes first, as red does: an RGB colour that nothing upsamples
     is then taken as a spectrum of three steps. Models whose last pass is part empty, and RGB ones, stay as they are.

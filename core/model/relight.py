@@ -62,7 +62,7 @@ def scaled(weights: Array) -> Array:
 def targets(training: Training, weights: Array) -> tuple[Array, Array, Array]:
     """What matrices are fitted to, for power weights (e, n, 3) -> truth (e, 3, N), metric (e, 6, N), white (e, 3).
 
-    metric: J^T J times the importance of each product, where |J dXYZ| is a small difference in CIEDE2000.
+    metric: `JᵀJ` times the importance of each product, where `|J dXYZ|` is a small difference in CIEDE2000.
     """
     lights, count = len(weights), weights.shape[1]
     truth = _product(weights.transpose(0, 2, 1).reshape(3 * lights, count), training.products.T)

@@ -54,7 +54,7 @@ _ROUNDS = 60  # of the search for weights of lamps
 
 @dataclass(frozen=True)
 class Encoded:
-    """One light group of one picture. c = I + (I + floor + κT) basis @ r, where (I, *r) = tables[plane, byte].
+    """One light group of one picture. `c = I + (I + floor + κT) basis @ r`, where `(I, *r) = tables[plane, byte]`.
 
     planes: p files, each of (height, width) bytes. tables: (p, 256) float32. basis: (p, p - 1) float32.
     """
