@@ -1,4 +1,4 @@
-"""The documentation's site: `make docs` builds it into out/docs, with every warning an error and nothing from the net."""
+"""The documentation's site: `make docs` builds it into out/docs, every warning an error, nothing from the net."""
 
 import tomllib
 from pathlib import Path
@@ -26,3 +26,22 @@ autodoc_preserve_defaults = True
 html_theme = "furo"
 html_title = f"Relume {release}"
 html_copy_source = html_show_sourcelink = False
+
+
+_BARRIERS = {
+    'role="heading"': 'role="heading" aria-level="2"',  # of captions
+    "<pre>": '<pre tabindex="0">',  # so that what scrolls does so by keys
+    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+}
+
+
+def _without_barriers(app, page, template, context, doctree) -> None:
+    """Put into a page what the theme leaves out for people who see or move little."""
+    for part in {"furo_navigation_tree", "body"} & context.keys():
+        for there, wanted in _BARRIERS.items():
+            context[part] = context[part].replace(there, wanted)
+
+
+def setup(app) -> dict[str, bool]:
+    app.connect("html-page-context", _without_barriers, priority=900)  # after the theme
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -19,7 +19,7 @@ lights = dict(image.mix().lights)
 first = next(iter(lights))
 lights[first] = Light(library.illuminant("Sodium (low pressure)"), gain=0.5)
 
-matrices = recombination.recombination_matrices(image.model, image.mix(lights, white_balance=0.3))
+matrices = recombination.recombination_matrices(image.model, image.mix(lights, white_balance=0.0))
 picture = coefficients.recombine(list(image.groups.values()), matrices)  # (height, width, 3), linear
 
 width, height = image.size

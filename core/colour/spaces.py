@@ -103,7 +103,10 @@ def adaptation(source: ArrayLike, target: ArrayLike, degree: float = 1.0, method
     source, target = np.asarray(source, float), np.asarray(target, float)
     from_white, to_white = cone @ (source / source[1]), cone @ (target / target[1])
     if np.any(from_white <= 0.0):
-        raise ModelError("white balance: this light has no response in one of the eye's channels; use less than full")
+        raise ModelError(
+            "white balance: this light lacks a colour altogether, as sodium lacks blue, and nothing makes it white; "
+            "set white balance to 0, or take another white"
+        )
     gains = degree * to_white / from_white + (1.0 - degree)
     matrix = np.linalg.inv(cone) @ np.diag(gains) @ cone
     return matrix / (matrix @ source)[1] * source[1]

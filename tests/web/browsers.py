@@ -14,7 +14,7 @@ from pathlib import Path
 
 # What browsers themselves say of WebGL without a GPU, and of pixels that are read back
 OWN = ("software WebGL has been deprecated", "GPU stall due to ReadPixels", "Failed to create WebGL context")
-__all__ = ["Chromium", "Firefox", "found"]
+__all__ = ["Chromium", "Firefox", "axe", "found"]
 
 QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run")
 QUIET += ("--disable-component-update", "--disable-sync", "--force-color-profile=srgb", "--hide-scrollbars")
@@ -34,6 +34,15 @@ def found() -> dict[str, type]:
     return there
 
 
+def axe() -> Path | None:
+    """The script of axe-core: in $RELUME_AXE, or where npm puts what is installed for all."""
+    npm = shutil.which("npm")
+    roots = [os.environ.get("RELUME_AXE", "")]
+    if npm:
+        roots.append(subprocess.run([npm, "root", "-g"], capture_output=True, text=True).stdout.strip() + "/axe-core")
+    return next((Path(root) / "axe.min.js" for root in roots if root and (Path(root) / "axe.min.js").is_file()), None)
+
+
 def _not_own(heard) -> list[str]:
     return [words for words in heard if not any(own in words for own in OWN)]
 
@@ -48,6 +57,11 @@ class _Browser:
         self.wait("return document.documentElement.dataset.shown || document.getElementById('status').textContent")
         self.wait("return document.documentElement.dataset.shown")
 
+    def visit(self, page: Path):
+        """Open any other file, and wait until all that it shows is there."""
+        self._go(page.resolve().as_uri())
+        self.wait("return document.readyState === 'complete'")
+
     def run(self, script: str, *arguments):
         """What a script returns; its arguments are `arguments[0]` and so on."""
         return self.driver.execute_script(script, *arguments)
@@ -56,9 +70,18 @@ class _Browser:
         """Wait until a script returns something true."""
         end = time.monotonic() + seconds
         while not (value := self.run(script)):
-            assert time.monotonic() < end, self.run("return document.getElementById('status').textContent") or script
+            assert time.monotonic() < end, self.run("return document.getElementById('status')?.textContent") or script
             time.sleep(0.1)
         return value
+
+    def barriers(self) -> list[str]:
+        """What axe-core finds serious or worse in the page that is open: the rule, and the first place of it."""
+        self.run(axe().read_text(encoding="utf-8"))
+        self.run("window.found = null; axe.run().then((result) => (window.found = result.violations))")
+        (found,) = self.wait("return window.found && [window.found]")
+        return [
+            f"{each['id']}: {each['nodes'][0]['html']}" for each in found if each["impact"] in ("serious", "critical")
+        ]
 
     def has_webgl(self) -> bool:
         context = "document.createElement('canvas').getContext('webgl2')"
