@@ -1,11 +1,15 @@
 .DEFAULT_GOAL := help
-.PHONY: help demo gallery test oldest torture lint format extension clean
+.PHONY: help demo docs gallery test oldest torture lint format extension clean
 
 help: ## List these targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
 
 demo: .venv/.complete ## Render the test room once and relight it; the pictures are in out/demo
 	@.venv/bin/relume demo --out out/demo
+
+docs: .venv/.complete ## Build the documentation's site into out/docs
+	.venv/bin/python -m sphinx --fail-on-warning --keep-going --quiet --doctree-dir build/doctrees docs out/docs
+	@echo out/docs/index.html
 
 gallery: .venv/.complete ## Make the figures of the three papers again, in out/gallery; REFLECTANCES=the CSV that its tables are of
 	.venv/bin/python -m relume.benchmarks.gallery $(if $(REFLECTANCES),--reflectances $(REFLECTANCES)) --out out/gallery

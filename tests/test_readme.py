@@ -1,4 +1,4 @@
-"""What the README tells people to type, run as it is printed there, from a fresh clone."""
+"""What the README and the pages of docs/ tell people to type, run as it is printed there, from a fresh clone."""
 
 import os
 import re
@@ -9,12 +9,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = "\n".join(path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"), reverse=True))
 
 
-def _printed(beginning: str) -> list[str]:
-    """The lines of the README's blocks of commands that begin so, without what is said of them."""
-    lines = re.findall(rf"^    ({re.escape(beginning)}.*)$", README, re.MULTILINE)
-    return [line.partition("  #")[0].strip() for line in lines]
+def _printed(beginning: str, text: str = README) -> list[str]:
+    """The lines of a text's blocks of commands that begin so, each once, without what is said of them."""
+    lines = re.findall(rf"^    ({re.escape(beginning)}.*)$", text, re.MULTILINE)
+    return list(dict.fromkeys(line.partition("  #")[0].strip() for line in lines))
 
 
 @pytest.fixture
@@ -48,11 +49,17 @@ def test_commands(clone, tmp_path):
     (clone / ".venv").symlink_to((ROOT / ".venv").resolve())
     (tmp_path / "path").mkdir()
     (tmp_path / "path/relume").symlink_to(clone)
-    lines = _printed(".venv/bin/relume ")
-    assert len(lines) >= 2
-    for line in lines:
+    for name, content in re.findall(
+        r"^```{code-block} text\n:caption: (\S+)\n(.*?)^```", PAGES, re.MULTILINE | re.DOTALL
+    ):
+        (clone / name).write_text(content)
+    lines = _printed(".venv/bin/relume ", f"{README}\n{PAGES}")
+    scripts = [line for line in _printed(".venv/bin/python ", PAGES) if " -m " not in line and " tools/" not in line]
+    assert len(lines) >= 3 and len(scripts) >= 2
+    for line in [*lines, *scripts]:
         for made in _typed(line, clone, PYTHONPATH=str(tmp_path / "path")).splitlines():
-            assert (clone / made).is_file(), (line, made)
+            assert line in scripts or (clone / made).is_file(), (line, made)
+    assert (clone / "out/colours.csv").is_file()
 
 
 def test_options(capsys):

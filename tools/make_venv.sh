@@ -30,5 +30,5 @@ if [[ $folder == --find ]]; then
 fi
 echo "Making $folder with $("$python" --version) ($python) and downloading Blender as a Python module (about 400 MB)"
 "$python" -m venv --clear "$folder"
-"$folder/bin/pip" install --disable-pip-version-check --progress-bar off --editable '.[blender,dev]' |
+"$folder/bin/pip" install --disable-pip-version-check --progress-bar off --editable '.[blender,dev,docs]' |
   sed -nEu 's/^ *(Downloading|Using cached) ([^ /]+-[^ /]+\.whl) (\(.*\))$/  \2 \3/p'

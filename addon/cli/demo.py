@@ -72,9 +72,13 @@ def run(folder: Path) -> None:
         scene.render.resolution_x, scene.render.resolution_y = _RESOLUTION
         scene.cycles.samples = _SAMPLES
         render_settings.compare(scene)
+        console.say(
+            "the test room, rendered three times: as Blender does, with nine channels, and in 36 bands to compare"
+        )
         plain = _take(scene, folder, bases.rgb(), "plain RGB")
         nine = _take(scene, folder, properties.model_for("9"), "Relume, 9 channels")
         reference = _take(scene, folder, properties.model_for("reference"), "reference")
+        console.say(f"the light chosen, {len(_LIGHTINGS)} times, without rendering")
         errors = _compare(plain, nine, reference)
         with results.together():
             written = _save(folder, nine) + _draw(folder, plain, nine, reference, errors)
