@@ -14,6 +14,7 @@ import numpy as np
 from ..addon.host.asset_library import IMPORT_METHOD
 from ..core.spectra import library
 from . import library_materials, library_nodes, library_previews, library_things
+from . import library_terms as terms
 from .library_materials import Asset
 
 __all__ = ["CATALOGUES", "PATH", "build", "main"]
@@ -23,7 +24,6 @@ CATALOGUES = "blender_assets.cats.txt"
 _ROOT = "Relume"
 _NAMESPACE = uuid.UUID("6a1c1c62-2f0e-5a5e-9c53-2b4de1f3a7aa")
 _HEAD = "# Catalogues of Relume's assets, for Blender's Asset Browser.\n\nVERSION 1\n\n"
-_OURS = "GPL-3.0-or-later (made by Relume)"
 
 
 def build() -> list[Asset]:
@@ -34,7 +34,7 @@ def build() -> list[Asset]:
     names = [spectrum.name for spectrum in library.reflectances("colorchecker")]
     things = library_things.build(dict(zip(names, patches, strict=True)))
     groups = [
-        Asset(group, "Node groups", words, "Relume", _OURS, ("nodes",))
+        Asset(group, "Node groups", words, "Relume", terms.MADE, ("nodes",))
         for group, words in library_nodes.build().items()
     ]
     return [*materials, *things, *groups]

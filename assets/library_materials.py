@@ -11,13 +11,10 @@ from ..core import palette
 from ..core.colour import differences, spaces
 from ..core.spectra import library
 from ..core.spectra.spectrum import Spectrum
+from . import library_terms as terms
 
 __all__ = ["Asset", "build", "colour_words"]
 
-_DATABASE = "CC0-1.0 (refractiveindex.info database)"
-_CES = "as colour-science (BSD-3-Clause) ships it; after CIE 224:2017"
-_CHART = "as colour-science (BSD-3-Clause) ships it; BabelColor's average of 30 charts"
-_OURS = "GPL-3.0-or-later (designed by Relume)"
 _LIQUIDS = ("Water", "Ethanol", "Glycerol")
 _CRYSTALS = ("Diamond", "Sapphire", "Fused silica")
 _METAMERS = {"three_metamers": "Alike in D65, apart under A"}
@@ -77,7 +74,7 @@ def _metals() -> list[Asset]:
             spectra.assign(material, metal.inputs[socket], group, socket)
         tree.links.new(metal.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
         words = f"{name} by its measured complex index of refraction; Roughness is yours to choose."
-        found.append(Asset(material, "Materials/Metals", words, n.source, _DATABASE, ("metal", name.lower())))
+        found.append(Asset(material, "Materials/Metals", words, n.source, terms.DATABASE, ("metal", name.lower())))
     return found
 
 
@@ -92,7 +89,9 @@ def _clear() -> list[Asset]:
         tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
         kind = "Liquids" if name in _LIQUIDS else "Crystals" if name in _CRYSTALS else "Glasses"
         words = f"{material.name} with its measured dispersion: white light splits at its edges."
-        found.append(Asset(material, f"Materials/{kind}", words, index.source, _DATABASE, ("glass", kind.lower()[:-1])))
+        found.append(
+            Asset(material, f"Materials/{kind}", words, index.source, terms.DATABASE, ("glass", kind.lower()[:-1]))
+        )
     return found
 
 
@@ -111,7 +110,7 @@ def _chart() -> list[Asset]:
         material = _painted(f"{name} (ColorChecker)", spectrum, 0.9, 0.0)
         words = f"The patch “{name.lower()}” of the ColorChecker, matte."
         found.append(
-            Asset(material, "Materials/ColorChecker", words, spectrum.source, _CHART, ("colorchecker", "matte"))
+            Asset(material, "Materials/ColorChecker", words, spectrum.source, terms.CHART, ("colorchecker", "matte"))
         )
     return found
 
@@ -147,7 +146,7 @@ def _ces() -> list[Asset]:
         material = _painted(f"{words} ({spectrum.name})", spectrum, 0.4)
         said = f"A measured surface, {words.lower()} in daylight: {spectrum.name} of the 99 colour evaluation samples."
         found.append(
-            Asset(material, f"Materials/Paints/{family}", said, spectrum.source, _CES, (family.lower(), "ces"))
+            Asset(material, f"Materials/Paints/{family}", said, spectrum.source, terms.CES, (family.lower(), "ces"))
         )
     return found
 
@@ -159,7 +158,9 @@ def _metamers() -> list[Asset]:
         for entry in designed.palette.reflectances:
             material = _painted(f"{words}: {entry.spectrum.name}", entry.spectrum, 0.9, 0.0)
             said = "One of three paints that are one grey in daylight and three colours under tungsten light."
-            found.append(Asset(material, "Materials/Metamers", said, f"palettes/{stem}.toml", _OURS, ("metamer",)))
+            found.append(
+                Asset(material, "Materials/Metamers", said, f"palettes/{stem}.toml", terms.DESIGNED, ("metamer",))
+            )
     for base, direction, light in _PAIRS:
         first = library.reflectance(base)
         other = palette.metamer(first, library.reflectance(direction), [library.illuminant(light)], 0.95)
@@ -169,6 +170,10 @@ def _metamers() -> list[Asset]:
             material = _painted(f"{name}, {which} ({light})", own, 0.9, 0.0)
             said = f"One of two paints that no eye tells apart under {light}; under other lamps they part."
             made = f"metamer of {base} under {light}, made by Relume"
-            source, licence = (first.source, _CHART) if which == "as measured" else (made, _OURS)
+            source, licence = (
+                (first.source, terms.CHART)
+                if which == "as measured"
+                else (made, f"{terms.DESIGNED}, from: {terms.CHART}")
+            )
             found.append(Asset(material, "Materials/Metamers", said, source, licence, ("metamer", light.lower())))
     return found

@@ -4,12 +4,12 @@ import bpy
 
 from ..addon.graph import lamps
 from ..core.spectra import library
+from . import library_terms as terms
 from .library_materials import Asset
 
 __all__ = ["build"]
 
-_CIE = "as colour-science (BSD-3-Clause) ships it"
-_OURS = "GPL-3.0-or-later (made by Relume)"
+_CARDS = f"{terms.MADE}; reflectances: {terms.CHART}"
 # Name: (catalogue, illuminant, kelvin that comes nearest, shape, size in metres, Blender's watts)
 LAMPS = {
     "Candle": ("Flames", "Planckian 1900 K", 1900, "POINT", 0.01, 1.2),
@@ -69,10 +69,8 @@ def _light(name, illuminant, kelvin, shape, size, watts):
 
 
 def _lamp(name, family, illuminant, kelvin, shape, size, watts) -> Asset:
-    spectrum = library.illuminant(illuminant)
     words = f"{name}: its light group starts with the illuminant “{illuminant}”."
-    source = f"{illuminant}, {spectrum.source}"
-    licence = _OURS if spectrum.source == "Planck's law" else _CIE
+    source, licence = terms.of_lamp(illuminant)
     thing = _light(name, illuminant, kelvin, shape, size, watts)
     return Asset(thing, f"Lamps/{family}", words, source, licence, ("lamp", family.lower()))
 
@@ -103,7 +101,7 @@ def _cards(paints) -> list[Asset]:
     ):
         corners, faces = [], []
         _rectangle(corners, faces, -0.1, 0.1, -0.127, 0.127, 0)
-        found.append(Asset(_flat(corners, faces, name, [material]), "Objects", words, "BabelColor average", _OURS))
+        found.append(Asset(_flat(corners, faces, name, [material]), "Objects", words, "BabelColor average", _CARDS))
     chart = [paints[spectrum.name] for spectrum in library.reflectances("colorchecker")]
     corners, faces = [], []
     _rectangle(corners, faces, -0.145, 0.145, -0.1, 0.1, 24)
@@ -112,7 +110,7 @@ def _cards(paints) -> list[Asset]:
         _rectangle(corners, faces, x, x + 0.041, y, y + 0.041, k, 0.0005)
     thing = _flat(corners, faces, "ColorChecker chart", [*chart, black])
     words = "The 24 patches of the ColorChecker in their measured reflectances."
-    return [*found, Asset(thing, "Objects", words, "BabelColor average", _OURS, ("chart",))]
+    return [*found, Asset(thing, "Objects", words, "BabelColor average", _CARDS, ("chart",))]
 
 
 def _booth(paints) -> Asset:
@@ -129,4 +127,4 @@ def _booth(paints) -> Asset:
         lamp.parent = box
         collection.objects.link(lamp)
     words = "A light booth with four lamps, D65, A, TL84 and cool white: mute and solo them in the mixer."
-    return Asset(collection, "Objects", words, "BabelColor average; CIE 15", _OURS, ("booth",))
+    return Asset(collection, "Objects", words, "BabelColor average; CIE 15", _CARDS, ("booth",))
