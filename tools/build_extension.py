@@ -39,6 +39,14 @@ def download_wheels(directory: Path, platforms: list[str], pythons: list[str]):
             subprocess.run([*command, f"--dest={directory}", *LIBRARIES], check=True)
 
 
+def build_manual(directory: Path):
+    """The pages of docs/, for *Online Manual* in the right-click menus."""
+    print("building the manual", flush=True)
+    with tempfile.TemporaryDirectory() as doctrees:
+        options = ["--fail-on-warning", "--keep-going", "--quiet", f"--doctree-dir={doctrees}"]
+        subprocess.run([sys.executable, "-m", "sphinx", *options, ROOT / "docs", directory], check=True)
+
+
 def stage(directory: Path, platforms: list[str], pythons: list[str]):
     """Lay out in `directory` what the zips hold, and a manifest that lists the wheels."""
     for name in SHIPPED:
@@ -47,6 +55,7 @@ def stage(directory: Path, platforms: list[str], pythons: list[str]):
             shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy(source, directory / name)
+    build_manual(directory / "manual")
     download_wheels(directory / "wheels", platforms, pythons)
     wheels = sorted(f"./wheels/{wheel.name}" for wheel in (directory / "wheels").iterdir())
     # A JSON list of plain strings is a TOML array.
