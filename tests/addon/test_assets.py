@@ -52,7 +52,12 @@ def test_every_asset_says_where_it_comes_from(startup):
 def test_the_library_holds_what_its_script_makes(startup):
     with bpy.data.libraries.load(str(assets.PATH), link=True, assets_only=True) as (there, _):
         held = {*there.materials, *there.objects, *there.collections, *there.node_groups}
-    assert held == {asset.thing.name for asset in assets.build()}
+    made = {asset.thing.name: (asset.licence, f"Source: {asset.source}") for asset in assets.build()}
+    assert held == made.keys()
+    bpy.ops.wm.open_mainfile(filepath=str(assets.PATH), load_ui=False)
+    kinds = (bpy.data.materials, bpy.data.objects, bpy.data.collections, bpy.data.node_groups)
+    said = {thing.name: thing.asset_data for kind in kinds for thing in kind if thing.asset_data}
+    assert {name: (data.license, data.copyright) for name, data in said.items()} == made
 
 
 def test_a_paint_shows_its_colour_in_a_scene_that_is_not_set_up(startup):

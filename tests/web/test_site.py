@@ -8,8 +8,11 @@ import sys
 from pathlib import Path
 
 import browsers
+import numpy as np
 import pytest
 
+from relume.core.colour import differences, spaces
+from relume.core.errors import ModelError
 from relume.core.spectra import library, names
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -89,3 +92,28 @@ def test_the_messages_are_ones_that_relume_says():
     )
     assert len(messages) > 5
     assert not [message for message in messages if message not in source]
+
+
+def test_lamps_do_to_colours_what_the_page_says():
+    """Chroma of patches of the ColorChecker, white balanced, against daylight."""
+    patches = {
+        patch.name.split(": ")[1].split(" (")[0]: patch.sampled() for patch in library.reflectances("colorchecker")
+    }
+
+    def chroma(lamp: str, patch: str) -> float:
+        power = library.illuminant(lamp).sampled()
+        weights = power[:, None] * library.observer() / (power @ library.observer()[:, 1])
+        balance = spaces.adaptation(weights.sum(axis=0), spaces.D65_WHITE)
+        return float(np.hypot(*differences.lab(balance @ (patches[patch] @ weights), spaces.D65_WHITE)[1:]))
+
+    def more(lamp: str, patch: str) -> float:
+        return chroma(lamp, patch) - chroma("D65", patch)
+
+    assert all(more(lamp, "red") > 8 for lamp in ("Planckian 1900 K", "Planckian 2700 K", "A", "LED-RGB1"))
+    assert all(more(lamp, "red") < -8 for lamp in ("FL2", "Sodium (high pressure)", "Mercury", "Metal halide"))
+    assert all(more(lamp, "yellow") > 4 for lamp in ("LED-B1", "LED-B3", "FL11", "Mercury"))
+    assert more("LED-RGB1", "yellow") < -4 and more("LED-B1", "red") < more("Planckian 2700 K", "red") - 5
+    near = ("LED-V2", "FL7", "Kinoton 75P", "D55", "D75", "D 12000 K")
+    assert all(abs(more(lamp, patch)) < 7 for lamp in near for patch in patches)
+    with pytest.raises(ModelError, match="lacks a colour altogether"):
+        chroma("Sodium (low pressure)", "red")
