@@ -40,9 +40,11 @@ def main() -> None:
         sys.exit(__doc__)
     with zipfile.ZipFile(sys.argv[1]) as file:
         wheels = {each.filename: each.compress_size for each in file.infolist() if each.filename.endswith(".whl")}
-        rest = sum(each.compress_size for each in file.infolist()) - sum(wheels.values())
+        manual = sum(each.compress_size for each in file.infolist() if each.filename.startswith("manual/"))
+        rest = sum(each.compress_size for each in file.infolist()) - sum(wheels.values()) - manual
         for name, size in sorted(wheels.items(), key=lambda item: -item[1]):
             print(f"{size / 1e6:6.1f} MB  {Path(name).name.partition('-')[0]}")
+        print(f"{manual / 1e6:6.1f} MB  the manual")
         print(f"{rest / 1e6:6.1f} MB  Relume itself")
         for name in wheels:
             if Path(name).name.startswith("scipy-"):

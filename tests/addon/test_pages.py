@@ -1,4 +1,4 @@
-"""docs/sunset.md, step by step: one render, and an animation of its light alone."""
+"""What docs/ten_minutes.md and docs/sunset.md tell an artist to do, step by step."""
 
 import re
 from pathlib import Path
@@ -7,10 +7,13 @@ import bpy
 import numpy as np
 
 from relume.addon.cli import commands
-from relume.assets import still_life
+from relume.addon.graph import places
+from relume.addon.ui import material_panel, translation
+from relume.assets import make_room, still_life
 from relume.core.picture import exr
 
-PAGE = (Path(__file__).parents[2] / "docs/sunset.md").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "sunset.md").read_text(encoding="utf-8")
 
 
 def keyframes():
@@ -19,7 +22,28 @@ def keyframes():
     return [tuple(float(cell.replace("−", "-")) for cell in row) for row in rows]
 
 
-def test_the_page_does_what_it_says(tmp_path, monkeypatch):
+def test_ten_minutes():
+    page = (DOCS / "ten_minutes.md").read_text(encoding="utf-8")
+    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
+    scene = bpy.context.scene
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    assert scene.relume.model().passes == 2 and "renders two passes" in page
+    row = scene.relume.light_groups["tungsten"]
+    row.illuminant = "Sodium (low pressure)"
+    assert translation.illuminant(row.label).startswith("Street lamp, sodium") and not scene.relume.problem
+    scene.relume.white_balance = 1.0
+    assert not scene.relume.problem, "with the fluorescent tube there is white to balance"
+
+    material = bpy.data.materials["green plastic"]
+    node, socket = re.search(r"the one of \*(.*): (.*)\*, type", page).groups()
+    shown, chosen = re.search(r"Click \*(.*)\*, the one .* choose \*(.*)\*, and", page).groups()
+    here = (node, material.node_tree.nodes[node].inputs[socket].identifier, places.REFLECTANCE)
+    assert here in places.of(material) and places.chosen_at(material.node_tree.nodes[node], *here[1:]) == shown
+    material_panel.assign_from_library(material, material.node_tree.nodes[node], *here[1:], chosen)
+    assert places.chosen_at(material.node_tree.nodes[node], *here[1:]) == chosen
+
+
+def test_animate_a_sunset(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     bpy.ops.wm.open_mainfile(filepath=str(still_life.PATH), load_ui=False)
     scene = bpy.context.scene
