@@ -1,5 +1,6 @@
 """The documentation's site: `make docs` builds it into out/docs, every warning an error, nothing from the net."""
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -42,6 +43,17 @@ def _without_barriers(app, page, template, context, doctree) -> None:
             context[part] = context[part].replace(there, wanted)
 
 
+def _every_module(app, page, source) -> None:
+    """Give a page of docs/api the modules of the room of core/ that it is called after; those it names come first."""
+    room = ROOT / "core" / page.removeprefix("api/")
+    if page.startswith("api/") and room.is_dir():
+        first = [name for line in re.findall(r"^% first: (.*)$", source[0], re.MULTILINE) for name in line.split()]
+        others = sorted(path.stem for path in room.glob("*.py") if path.stem != "__init__" and path.stem not in first)
+        for name in (f"relume.core.{room.name}.{stem}" for stem in (*first, *others)):
+            source[0] += f"\n## `{name}`\n\n```{{eval-rst}}\n.. automodule:: {name}\n```\n"
+
+
 def setup(app) -> dict[str, bool]:
+    app.connect("source-read", _every_module)
     app.connect("html-page-context", _without_barriers, priority=900)  # after the theme
     return {"parallel_read_safe": True, "parallel_write_safe": True}
