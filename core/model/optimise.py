@@ -1,10 +1,9 @@
 """Making the filters: non-negative, and as right as p channels can be for products of one to three reflectances.
 
-    python -m relume.core.model.optimise [--channels P ...] [--out FILE]
-
-writes the filters that ship, the same bits each time on the same machine and libraries, on any number of cores. The
-error that is minimised is that of the best relight matrices for the filters (variable projection): at those matrices
-its derivative with respect to them is zero, so the gradient needs the filters' part only.
+`python -m relume.core.model.optimise [--channels P ...] [--out FILE]` writes the filters that ship, the same bits each
+time on the same machine and libraries, on any number of cores. The error that is minimised is that of the best relight
+matrices for the filters (variable projection): at those matrices its derivative with respect to them is zero, so the
+gradient needs the filters' part only.
 """
 
 import argparse
