@@ -15,7 +15,7 @@ _ILLUMINANTS = ("A", "FL2", "LED-B3", "D65")
 def many_lights():
     """The room with 48 small lamps of uneven power all over it, in four light groups; returns the scene."""
     scene = make_room.build()
-    for lamp in room.LAMPS:
+    for lamp in room.ROOM.lamps:
         bpy.data.objects.remove(bpy.data.objects[lamp.name])
     scene.relume.light_groups.clear()
     random = np.random.default_rng(_SEED)

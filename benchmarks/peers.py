@@ -1,68 +1,54 @@
-"""Time to the same error: the room in Mitsuba 3 and in Relume, held against Mitsuba's long run. Prints ratios.
+"""Time to the same error: Relume and its peers in three interiors, held against Mitsuba's long run. Prints ratios.
 
-`python -m relume.benchmarks.peers [--percent P] [--counts N ...] [--runs R] [--long N] [--errors E ...]
-[--variant NAME ...] [--out DIR]`
+`python -m relume.benchmarks.peers [--interiors NAME ...] [--percent P] [--counts N ...] [--runs R] [--long N]
+[--errors E ...] [--channels P ...] [--variant NAME ...] [--out DIR]`
 
 Every spectral variant of Mitsuba that runs on this processor is measured, the fastest first; `llvm_ad_spectral` needs
 LLVM (Debian: `libllvm19`; `DRJIT_LIBLLVM_PATH` says where, if Mitsuba does not find it). The long run is the fastest's.
+LuxCore (`pyluxcore`), which knows no spectra, stands beside it for orientation, held against a long run of its own.
 
-Both renderers start from the data of `assets.room`, with box filters and as many bounces (`mitsuba_room`), on all
-cores; seconds are those of the processor, which a busy machine changes least. Error: median CIEDE2000 over pixels, of
-model and noise together. Every renderer is measured at a few sample counts, taking turns; counts at an error are
+All renderers start from the same data (`assets.room`, `interiors`), with box filters and as many bounces, on all cores;
+seconds are those of the processor, which a busy machine changes least. Error: median CIEDE2000 over pixels, of model
+and noise together. Every renderer is measured at a few sample counts, taking turns; counts at an error are
 interpolated, both logarithmic. Beyond the measured counts, error^2 = floor^2 + c / N goes on; an error below a model's
 floor is never reached. A long run's own noise, half of what its two halves differ by, is taken off in quadrature.
+Cycles with 36 narrow bands is held against the long run first: where they differ by more than half again what noise
+alone explains (`mitsuba_interiors`), the table says that it is void.
 
 Samples are those of all passes together. Eleven renders of three wavelengths are what a Blender user would pay without
 a factor model: made as view layers of one file, which saves ten starts, either with one seed and all samples each, as
-Blender does by itself, or with samples shared and seeds of their own. *RGB, noise alone* is held against a long run of
-its own: it shows other colours, but that is what Blender users wait for now. *Without start* leaves out what does not
-grow with samples, which large pictures pay as well, but hardly notice.
+Blender does by itself, or with samples shared and seeds of their own. *Noise alone* is held against a long run of its
+own: it shows other colours, but that is what Blender users wait for now. *Without start* leaves out what does not grow
+with samples, which large pictures pay as well, but hardly notice.
 """
 
 import argparse
-import tempfile
-import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import bpy
 import numpy as np
 
-from ..addon.scene import render, setup
-from ..assets import make_room, room
 from ..core.colour import differences
 from ..core.model import bases
-from ..core.picture import coefficients, recombination
-from ..core.picture.mix import Light, Mix
-from ..core.spectra import library
 from ..studies import figures
-from . import mitsuba_room
+from . import mitsuba_interiors
+from .cycles_interiors import Cycles
+from .interiors import INTERIORS
+from .luxcore_interiors import LuxCore
 
 _OURS = "p = 9"
 _WAVELENGTHS = 33  # of a user's eleven renders
-_SAMPLER = "multijitter"  # of Mitsuba's, the one with the least noise for its time in this room
-_SEED_STEP = 1000
-_TRIAL = 64  # samples of the renders that say which variant is the fastest
+_AGREES = 1.5  # times the difference that noise alone makes
 
 
 @dataclass
 class Row:
-    """A renderer: what it renders, and {samples: (runs, 2) of seconds and error}."""
+    """A renderer, and {samples: [(seconds, error) of each run]}."""
 
     name: str
-    model: object = None  # a factor model; None for Mitsuba
-    mitsuba: object = None  # a variant of Mitsuba
-    same_seed: bool = False  # every pass takes all the samples, with the same noise
+    renderer: Cycles | LuxCore | mitsuba_interiors.Mitsuba
     own: bool = False  # held against a long run of its own, not Mitsuba's
     taken: dict = field(default_factory=dict)
-
-    def per_pass(self, count: int) -> int:
-        """What a scene is set to for `count` samples of all passes together."""
-        return -(-count // self.model.passes) if self.same_seed else count
-
-    def samples(self, count: int) -> int:
-        """Of all passes together, in fact."""
-        return self.per_pass(count) * self.model.passes if self.same_seed else count
 
     def curve(self) -> np.ndarray:
         """(counts, 3): samples, seconds, error; of several runs the fastest, errors as a mean square."""
@@ -100,86 +86,33 @@ def start_and_rate(samples, seconds) -> tuple[float, float]:
     return start, rate
 
 
-def _rows(variants, channels) -> list[Row]:
-    rows = [Row(f"Mitsuba, {each.variant}", mitsuba=each) for each in variants]
-    rows += [Row("RGB", bases.rgb()), Row("RGB, noise alone", bases.rgb(), own=True)]
-    rows += [*(Row(f"p = {p}", bases.fitted(p)) for p in channels)]
+def _rows(interior, variants, size, arguments) -> list[Row]:
+    def cycles(model, same_seed=False):
+        return Cycles(interior, arguments.percent, model, same_seed)
+
+    rows = [Row(f"Mitsuba, {each.variant}", each) for each in variants]
+    try:
+        rows.append(Row("LuxCore RGB, noise alone", LuxCore(interior, size), own=True))
+    except ImportError as why:
+        print(f"LuxCore does not run here: {why}", flush=True)
+    rows += [Row("RGB", cycles(bases.rgb())), Row("RGB, noise alone", cycles(bases.rgb()), own=True)]
+    rows += [*(Row(f"p = {p}", cycles(bases.fitted(p))) for p in arguments.channels)]
     bands = bases.bands(_WAVELENGTHS)
-    return [*rows, Row("11 renders, shared", bands), Row("11 renders, one seed", bands, same_seed=True)]
+    return [*rows, Row("11 renders, shared", cycles(bands)), Row("11 renders, one seed", cycles(bands, True))]
 
 
-def _relume(row: Row, arguments, samples: int, seed: int) -> tuple[float, np.ndarray]:
-    """Seconds, and (height, width, 3) XYZ under the room's own lamps."""
-    bpy.ops.wm.open_mainfile(filepath=str(make_room.PATH), load_ui=False)
-    scene = bpy.context.scene
-    scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, row.per_pass(samples)
-    scene.cycles.pixel_filter_type, scene.cycles.seed = "BOX", _SEED_STEP * seed
-    scene.relume.same_seed, scene.relume.split_samples = row.same_seed, not row.same_seed
-    setup.set_up(scene, row.model)
-    with tempfile.TemporaryDirectory() as folder:
-        began = time.process_time()
-        image = render.render(scene, Path(folder)).image
-        xyz = coefficients.to_xyz(image, {group.name: group.light() for group in scene.relume.light_groups})
-        return time.process_time() - began, xyz
+def _median(xyz, truth, white) -> float:
+    return float(np.median(differences.picture_delta_E(xyz, truth, white)))
 
 
-class _Mitsuba:
-    """The room in a variant of Mitsuba, at one size of picture. Raises ImportError where that does not run."""
-
-    def __init__(self, variant: str, size: tuple[int, int]):
-        import mitsuba
-
-        mitsuba.set_variant(variant)
-        self.variant, self.mi, self.size, self.unit = variant, mitsuba, size, mitsuba_room.unit(mitsuba)
-
-    def render(self, samples: int, seed: int) -> tuple[float, np.ndarray]:
-        """Seconds, and (height, width, 3) XYZ."""
-        self.mi.set_variant(self.variant)
-        sampler = {"type": _SAMPLER, "sample_count": samples}
-        began = time.process_time()
-        scene = self.mi.load_dict(mitsuba_room.scene(self.mi, room.LAMPS, self.size, sampler))
-        xyz = np.array(self.mi.render(scene, seed=seed))
-        seconds = time.process_time() - began
-        # In the long run a pixel or two is no number, and stays so; a median does not notice
-        return seconds, np.nan_to_num(xyz / self.unit)
+def _halves(renderer, arguments) -> list[np.ndarray]:
+    """Those of a long run."""
+    return [renderer.render(arguments.long // 2, seed)[1] for seed in (1, 2)]
 
 
-def _on_this_processor() -> list[str]:
-    """Mitsuba's spectral variants that need no graphics card."""
-    import mitsuba
-
-    return [name for name in mitsuba.variants() if name.endswith("_spectral") and not name.startswith("cuda")]
-
-
-def _fastest_first(names: list[str], size: tuple[int, int]) -> list[_Mitsuba]:
-    """Those of some variants that run here, by the seconds that a small render takes once it is compiled."""
-    found = []
-    for name in names:
-        try:
-            each = _Mitsuba(name, size)
-        except ImportError as why:
-            print(f"{name} does not run here: {why}", flush=True)
-            continue
-        each.render(_TRIAL, seed=0)
-        seconds = min(each.render(_TRIAL, seed=0)[0] for _ in range(2))
-        print(f"{name}: {seconds:.2f} s for {_TRIAL} samples", flush=True)
-        found.append((seconds, each))
-    return [each for _, each in sorted(found, key=lambda pair: pair[0])]
-
-
-def _white() -> np.ndarray:
-    lights = {lamp.name: Light(library.illuminant(lamp.illuminant)) for lamp in room.LAMPS}
-    return recombination.mixed_white(bases.bands(), Mix(lights))
-
-
-def _median(xyz, truth) -> float:
-    return float(np.median(differences.picture_delta_E(xyz, truth, _white())))
-
-
-def _long_run(render) -> tuple[np.ndarray, float]:
-    """The mean of two renders with seeds 1 and 2, and its noise."""
-    halves = [render(seed)[1] for seed in (1, 2)]
-    return np.mean(halves, axis=0), _median(*halves) / 2
+def _truth(halves, white) -> tuple[np.ndarray, float]:
+    """The mean of a long run's halves, and its noise."""
+    return np.mean(halves, axis=0), _median(*halves, white) / 2
 
 
 def _table(rows: list[Row], errors: list[float]) -> list[str]:
@@ -207,12 +140,56 @@ def _at(row: Row, error: float) -> tuple[float, float, float]:
     return count, start + rate * count, rate * count
 
 
+def _measure(name: str, arguments) -> tuple[list[str], list[Row]]:
+    """The lines that tell of one interior, and the rows behind them."""
+    interior = INTERIORS[name]
+    white = mitsuba_interiors.white_of(interior)
+    size = tuple(n * arguments.percent // 100 for n in interior.camera.resolution)
+    variants = mitsuba_interiors.fastest_first(interior, size, arguments.variant)
+    if not variants:
+        raise SystemExit("no such variant of Mitsuba runs here")
+    rows = _rows(interior, variants, size, arguments)
+    theirs = _halves(variants[0], arguments)
+    check = mitsuba_interiors.reference(interior, arguments.percent)
+    difference, expected = mitsuba_interiors.agreement(_halves(check, arguments), theirs, white)
+    truths = {row.name: _truth(_halves(row.renderer, arguments) if row.own else theirs, white) for row in rows}
+    seed = 2  # those of the long runs' halves come before it
+    for _ in range(arguments.runs):
+        for count in sorted(arguments.counts):
+            seed += 1
+            for row in rows:
+                seconds, xyz = row.renderer.render(count, seed)
+                truth, noise = truths[row.name]
+                error = np.sqrt(max(_median(xyz, truth, white) ** 2 - noise**2, 0.0))
+                row.taken.setdefault(row.renderer.samples(count), []).append((seconds, error))
+    differ = float(np.median(difference))
+    lines = [
+        f"**{interior.name}**: {size[0]} × {size[1]} pixels; noise of the long run {truths[rows[0].name][1]:.2f}.",
+        "",
+    ]
+    block = f"{mitsuba_interiors.BLOCK} × {mitsuba_interiors.BLOCK}"
+    lines += [
+        f"Cycles with narrow bands differs from it by {differ:.2f} (blocks of {block}), noise alone by {expected:.2f}."
+    ]
+    if differ > _AGREES * expected:
+        lines += ["", "**Void**: that is more than noise; the two do not show the same thing."]
+    lines += ["", "Times are ratios to nine channels.", "", *_table(rows, arguments.errors), ""]
+    lines += ["| | samples: seconds, median ΔE2000 |", "|---|---|"]
+    for row in rows:
+        measured = "; ".join(f"{n:.0f}: {seconds:.2f}, {error:.2f}" for n, seconds, error in row.curve())
+        lines.append(f"| {row.name} | {measured} |")
+    return [*lines, ""], rows
+
+
 def main(argv: list[str] | None = None):
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.peers", description=__doc__)
-    parser.add_argument("--percent", type=int, default=20, help="of the room's own resolution (20)")
+    parser.add_argument(
+        "--interiors", nargs="+", choices=INTERIORS, default=list(INTERIORS), metavar="NAME", help="(all)"
+    )
+    parser.add_argument("--percent", type=int, default=20, help="of the interiors' own resolution (20)")
     parser.add_argument("--counts", type=int, nargs="+", default=[64, 256, 1024], metavar="N", help="samples")
     parser.add_argument("--runs", type=int, default=1, help="renders at each count (1)")
-    parser.add_argument("--long", type=int, default=2048, metavar="N", help="samples of Mitsuba's long run (2048)")
+    parser.add_argument("--long", type=int, default=2048, metavar="N", help="samples of the long runs (2048)")
     parser.add_argument("--errors", type=float, nargs="+", default=[2.0, 1.0, 0.5], metavar="E", help="(2 1 0.5)")
     parser.add_argument("--channels", type=int, nargs="+", default=[9], metavar="P", help="9 among them (9)")
     parser.add_argument("--variant", nargs="+", metavar="NAME", help="of Mitsuba (every spectral one that runs here)")
@@ -224,39 +201,17 @@ def main(argv: list[str] | None = None):
     from .. import register
 
     register()
-    size = tuple(n * arguments.percent // 100 for n in room.CAMERA.resolution)
-    variants = _fastest_first(arguments.variant or _on_this_processor(), size)
-    if not variants:
-        parser.error("no such variant of Mitsuba runs here")
-    rows = _rows(variants, arguments.channels)
-    plain = next(row for row in rows if row.own)
-    theirs = _long_run(lambda seed: variants[0].render(arguments.long // 2, seed))
-    own = _long_run(lambda seed: _relume(plain, arguments, arguments.long // 2, seed))
-    seed = 2  # those of the long runs' halves come before it
-    for _ in range(arguments.runs):
-        for count in sorted(arguments.counts):
-            seed += 1
-            for row in rows:
-                taken = _relume(row, arguments, count, seed) if row.model else row.mitsuba.render(count, seed)
-                truth, noise = own if row.own else theirs
-                error = np.sqrt(max(_median(taken[1], truth) ** 2 - noise**2, 0.0))
-                row.taken.setdefault(row.samples(count), []).append((taken[0], error))
-    _report(rows, arguments, size, theirs[1])
-
-
-def _report(rows: list[Row], arguments, size, noise: float):
-    lines = [f"{size[0]} × {size[1]} pixels; Mitsuba's {_SAMPLER}; noise of its long run {noise:.2f}.", ""]
-    lines += ["Times are ratios to nine channels.", "", *_table(rows, arguments.errors), ""]
-    lines += ["| | samples: seconds, median ΔE2000 |", "|---|---|"]
-    for row in rows:
-        measured = "; ".join(f"{n:.0f}: {seconds:.2f}, {error:.2f}" for n, seconds, error in row.curve())
-        lines.append(f"| {row.name} | {measured} |")
     arguments.out.mkdir(parents=True, exist_ok=True)
-    curves = [(row.name, row.curve()[:, 1], row.curve()[:, 2]) for row in rows]
-    panel = figures.Panel("seconds", curves, "ΔE2000 to Mitsuba's long run, median", log="xy")
-    figures.curves(arguments.out / "peers.png", [panel])
-    (arguments.out / "peers.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print("\n".join(["", *lines, "", str(arguments.out / "peers.md")]))
+    told, panels = [], []
+    for name in arguments.interiors:
+        lines, rows = _measure(name, arguments)
+        print("\n".join(["", *lines]), flush=True)
+        told += lines
+        curves = [(row.name, row.curve()[:, 1], row.curve()[:, 2]) for row in rows]
+        panels.append(figures.Panel(f"{name}: seconds", curves, "ΔE2000 to the long run, median", log="xy"))
+    figures.curves(arguments.out / "peers.png", panels)
+    (arguments.out / "peers.md").write_text("\n".join(told) + "\n", encoding="utf-8")
+    print(arguments.out / "peers.md")
 
 
 if __name__ == "__main__":

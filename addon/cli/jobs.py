@@ -18,7 +18,7 @@ import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, ResultError, SequenceError, SetupError, UsageError
-from ...core.picture import coefficients, description, mixing, sequences
+from ...core.picture import coefficients, description, mixing, recombination, sequences
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import GAINS, Light
 from ...core.spectra import files, library
@@ -197,7 +197,7 @@ def lights_of(image: CoefficientImage, chosen: list[str], kept: dict | None = No
 
     kept: a mix that was saved, as `mix_file.mix_from` returns it; what is chosen comes after it.
     """
-    lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.groups}
+    lights = {group: Light(image.illuminants[group], image.gains.get(group, 1.0)) for group in image.illuminants}
     if kept is not None:
         lights |= mix_file.lights_in(kept, list(lights))
     for text in chosen:
@@ -324,9 +324,11 @@ def _relit(waiting: dict[Path, Path], options: argparse.Namespace) -> Iterator:
 
     def relit(item: tuple[Path, Path]) -> tuple[Path, CoefficientImage, np.ndarray]:
         out, source = item
-        image = coefficients.read(source, options.described, options.layer)
+        return out, *coefficients.relit(source, matrices, options.described, options.layer)
+
+    def matrices(image: CoefficientImage) -> np.ndarray:
         lights = lights_of(image, options.light, options.kept)
-        return out, image, render.picture(_seen(image, options.kept), lights, options.white)
+        return recombination.recombination_matrices(image.model, _seen(image, options.kept).mix(lights, options.white))
 
     cores = os.cpu_count() or 1
     items, ahead = iter(waiting.items()), deque()

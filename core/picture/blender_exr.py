@@ -4,7 +4,7 @@ A channel is called LAYER.PASS.CHANNEL, whether every pass has a part of its own
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import CoefficientImageError
 from ..model.factor_model import FactorModel
 from . import exr
-from .coefficient_image import EVERYTHING_ELSE
+from .coefficient_image import EVERYTHING_ELSE, Block, gathered
 
 __all__ = [
     "check_unknown",
@@ -22,6 +22,7 @@ __all__ = [
     "read_pass",
     "read_render",
     "read_render_times",
+    "render_blocks",
     "size",
 ]
 
@@ -63,23 +64,27 @@ def size(path: str | Path, model: FactorModel, layers: Sequence[str], groups: Se
 def read_render(
     path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Coefficients and alpha of a multilayer EXR that Blender wrote.
+    """{group: (height, width, p) float32} and (height, width) alpha of what `render_blocks` reads."""
+    return gathered(render_blocks(path, model, layers, groups))
+
+
+def render_blocks(
+    path: str | Path, model: FactorModel, layers: Sequence[str], groups: Sequence[str]
+) -> Iterator[Block]:
+    """Coefficients and alpha of a multilayer EXR that Blender wrote, a few rows at a time.
 
     layers: the view layers of the coefficient passes, in order. groups: light groups to read; `EVERYTHING_ELSE` among
-    them is worked out from the combined pass. Returns {group: (height, width, p) float32} and (height, width) alpha.
+    them is worked out from the combined pass. Raises CoefficientImageError.
     """
-    path, wanted = Path(path), _wanted(model, layers, groups)
-    _check(path, wanted, exr.names(path), _COMPLETE)
-    channels = exr.channels(path, wanted)
-
-    def stacked(group: str) -> np.ndarray:
-        names = _channels_of(layers, light_pass(group), model.channels)
-        return np.stack([channels[name] for name in names], axis=-1)
-
-    coefficients = {group: stacked(group) for group in groups if group != EVERYTHING_ELSE}
-    if EVERYTHING_ELSE in groups:
-        coefficients[EVERYTHING_ELSE] = stacked(EVERYTHING_ELSE) - sum(coefficients.values())
-    return {group: coefficients[group] for group in groups}, channels[_alpha(layers)]
+    path = Path(path)
+    _check(path, _wanted(model, layers, groups), exr.names(path), _COMPLETE)
+    wanted: dict[str | None, list[str]] = {None: [_alpha(layers)]}
+    wanted |= {group: _channels_of(layers, light_pass(group), model.channels) for group in groups}
+    for rows, height, found in exr.blocks(path, wanted):
+        named = {group: found[group] for group in groups}
+        if EVERYTHING_ELSE in named:
+            named[EVERYTHING_ELSE] -= sum(named[group] for group in groups if group != EVERYTHING_ELSE)
+        yield Block(rows, height, named, found[None][..., 0])
 
 
 def check_unknown(path: str | Path, layers: Sequence[str], groups: Sequence[str]) -> None:
@@ -99,8 +104,7 @@ def read_pass(path: str | Path, model: FactorModel, layers: Sequence[str], name:
     """(height, width, p) float32 of one pass of all `layers`, as an AOV. Raises CoefficientImageError."""
     path, wanted = Path(path), _channels_of(layers, name, model.channels)
     _check(path, wanted, exr.names(path), "render again with it")
-    channels = exr.channels(path, wanted)
-    return np.stack([channels[each] for each in wanted], axis=-1)
+    return exr.stacks(path, {name: wanted})[name]
 
 
 def read_materials(path: str | Path, layer: str) -> dict[str, np.ndarray]:
@@ -138,8 +142,7 @@ def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -
     wanted = {(layer, n): [f"{layer}.Denoising {n}.{c}" for c in parts[n]] for layer in layers for n in names}
     every = [channel for each in wanted.values() for channel in each]
     _check(path, every, exr.names(path), "the denoiser needs it")
-    channels = exr.channels(path, every)
-    stacked = {key: np.stack([channels[channel] for channel in each], axis=-1) for key, each in wanted.items()}
+    stacked = exr.stacks(path, wanted)
     return [{name: stacked[layer, name] for name in names} for layer in layers]
 
 

@@ -1,7 +1,8 @@
 """The coefficient image: what a render's coefficient passes hold, with all that relighting them needs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .content import Content
 from .mix import Light, Mix
 from .recombination import recombination_matrices
 
-__all__ = ["EVERYTHING_ELSE", "CoefficientImage"]
+__all__ = ["EVERYTHING_ELSE", "Block", "CoefficientImage", "gathered"]
 
 # What no light group holds: the combined pass less all the groups.
 EVERYTHING_ELSE = "Everything else"
@@ -62,3 +63,31 @@ class CoefficientImage:
     def matrices(self) -> np.ndarray:
         """(groups, 3, p) matrices of the picture as it was lit. Raises as `recombination_matrices` does."""
         return recombination_matrices(self.model, self.mix())
+
+
+class Block(NamedTuple):
+    """A few rows of a coefficient image.
+
+    rows: which. height: of the picture. groups: light group -> (rows, width, p) float32. alpha: (rows, width).
+    """
+
+    rows: slice
+    height: int
+    groups: dict[str, np.ndarray]
+    alpha: np.ndarray
+
+
+def gathered(blocks: Iterable[Block]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Blocks as whole pictures: {group: (height, width, p)} and (height, width) alpha."""
+    groups: dict[str, np.ndarray] = {}
+    alpha = np.empty((0, 0), np.float32)
+    for block in blocks:
+        if not alpha.size:
+            alpha = np.empty((block.height, *block.alpha.shape[1:]), np.float32)
+            groups = {
+                name: np.empty((block.height, *each.shape[1:]), np.float32) for name, each in block.groups.items()
+            }
+        alpha[block.rows] = block.alpha
+        for name, each in block.groups.items():
+            groups[name][block.rows] = each
+    return groups, alpha

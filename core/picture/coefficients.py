@@ -6,7 +6,7 @@ lamps of 1. The picture under any illuminants is a sum of 3×p matrices times th
 """
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from .. import results
 from ..errors import CoefficientImageError, ResultError, UsageError
 from . import blender_exr, description, exr
 from .blender_exr import read_guides, read_materials, read_pass, read_render, read_render_times
-from .coefficient_image import EVERYTHING_ELSE, CoefficientImage
+from .coefficient_image import EVERYTHING_ELSE, Block, CoefficientImage, gathered
 from .description import Description
 from .exr import read_rgb
 
@@ -37,12 +37,13 @@ __all__ = [
     "read_render_times",
     "read_rgb",
     "recombine",
+    "relit",
     "to_xyz",
     "write",
 ]
 
 _HEADER = "relume"
-_ROWS = 64  # rows recombined at a time: the temporary arrays stay in the cache
+_ROWS = 64  # recombined and written at a time: the temporary arrays stay in the cache
 
 
 def recombine(groups: Sequence[np.ndarray], matrices: np.ndarray) -> np.ndarray:
@@ -72,7 +73,9 @@ def to_xyz(image: CoefficientImage, lights: Mapping) -> np.ndarray:
 
 def bottom_up_rgba(rgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
     """Flat float32 RGBA from the lowest row up, as Blender keeps images, of (height, width, 3) and (height, width)."""
-    return np.dstack([rgb, alpha]).astype(np.float32)[::-1].ravel()
+    rgba = np.empty((*alpha.shape, 4), np.float32)
+    rgba[..., :3], rgba[..., 3] = rgb[::-1], alpha[::-1]
+    return rgba.ravel()
 
 
 def channel_names(group: str, channels: int) -> list[str]:
@@ -90,15 +93,16 @@ def write(path: str | Path, image: CoefficientImage, picture: np.ndarray) -> Non
     names = ["R", "G", "B", "A"]
     for group in image.groups:
         names += channel_names(group, image.model.channels)
-    pixels = np.concatenate([picture, image.alpha[..., None], *image.groups.values()], axis=-1, dtype=np.float32)
-    _write_exr(Path(path), pixels, names, {_HEADER: json.dumps(header.to_dict(image)), "BlenderMultiChannel": "Relume"})
+    stacks = [picture, image.alpha[..., None], *image.groups.values()]
+    _write_exr(Path(path), stacks, names, {_HEADER: json.dumps(header.to_dict(image)), "BlenderMultiChannel": "Relume"})
 
 
-def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Mapping[str, str]) -> None:
+def _write_exr(path: Path, stacks: Sequence[np.ndarray], names: list[str], attributes: Mapping[str, str]) -> None:
+    """stacks: (height, width, channels) each, written side by side, a few rows at a time."""
     import OpenImageIO as oiio
 
-    height, width, count = pixels.shape
-    spec = oiio.ImageSpec(width, height, count, "float")
+    height, width, _ = stacks[0].shape
+    spec = oiio.ImageSpec(width, height, len(names), "float")
     spec.channelnames = names
     spec.attribute("compression", "zip")
     spec.attribute("DateTime", "")  # else the time of writing: the same picture would be other bytes each time
@@ -108,7 +112,11 @@ def _write_exr(path: Path, pixels: np.ndarray, names: list[str], attributes: Map
         output = oiio.ImageOutput.create(str(partial))
         if output is None:
             raise ResultError(f"{path}: cannot be written ({oiio.geterror().strip()})")
-        done = output.open(str(partial), spec) and output.write_image(np.ascontiguousarray(pixels))
+        done = output.open(str(partial), spec)
+        for top in range(0, height, _ROWS):
+            rows = slice(top, min(top + _ROWS, height))
+            pixels = np.concatenate([stack[rows] for stack in stacks], axis=-1, dtype=np.float32)
+            done = done and output.write_scanlines(rows.start, rows.stop, 0, pixels)
         message = output.geterror().strip().replace(str(partial), path.name)
         done = output.close() and done
         if not done:
@@ -137,8 +145,9 @@ def _described(path: Path, scene: Description | None, layer: str | None) -> tupl
         raise CoefficientImageError(f"{path}: the Relume header is damaged: {error}") from None
 
 
-def _names(image: CoefficientImage) -> dict[str, list[str]]:
-    return {group: channel_names(group, image.model.channels) for group in image.illuminants}
+def _wanted(image: CoefficientImage) -> dict[str | None, list[str]]:
+    """The channels of each light group in a file of Relume's own, and of alpha, which is none."""
+    return {None: ["A"]} | {group: channel_names(group, image.model.channels) for group in image.illuminants}
 
 
 def describe(path: str | Path, scene: Description | None = None, layer: str | None = None) -> CoefficientImage:
@@ -149,7 +158,7 @@ def describe(path: str | Path, scene: Description | None = None, layer: str | No
     if layers:
         width, height = blender_exr.size(path, image.model, layers, groups)
     else:
-        width, height = exr.size(path, [name for each in _names(image).values() for name in each] + ["A"])
+        width, height = exr.size(path, [name for each in _wanted(image).values() for name in each])
     shape, nothing = (height, width, image.model.channels), np.float32(0.0)
     zeros = {group: np.broadcast_to(nothing, shape) for group in groups}
     return replace(image, groups=zeros, alpha=np.broadcast_to(nothing, (height, width)))
@@ -184,11 +193,38 @@ def read(path: str | Path, scene: Description | None = None, layer: str | None =
     """
     path = Path(path)
     image, layers = _described(path, scene, layer)
+    groups, alpha = gathered(_blocks(path, image, layers))
+    return replace(image, groups=groups, alpha=alpha)
+
+
+def relit(
+    path: str | Path,
+    matrices: Callable[[CoefficientImage], np.ndarray],
+    scene: Description | None = None,
+    layer: str | None = None,
+) -> tuple[CoefficientImage, np.ndarray]:
+    """What `recombine` makes of a file that `read` reads: (height, width, 3), and the image without its coefficients.
+
+    Its coefficients are never in memory all at once. matrices: the (groups, 3, p) for the image that is described.
+    """
+    path = Path(path)
+    image, layers = _described(path, scene, layer)
+    chosen = matrices(image)
+    picture = alpha = np.empty((0, 0), np.float32)
+    for block in _blocks(path, image, layers):
+        if not alpha.size:
+            alpha = np.empty((block.height, *block.alpha.shape[1:]), np.float32)
+            picture = np.empty((*alpha.shape, 3), np.float32)
+        alpha[block.rows] = block.alpha
+        picture[block.rows] = recombine(list(block.groups.values()), chosen)
+    return replace(image, alpha=alpha), picture
+
+
+def _blocks(path: Path, image: CoefficientImage, layers: Sequence[str]) -> Iterator[Block]:
+    """The coefficients of a file that is described so, a few rows at a time."""
     if layers:
         blender_exr.check_unknown(path, layers, list(image.illuminants))
-        groups, alpha = blender_exr.read_render(path, image.model, layers, list(image.illuminants))
-        return replace(image, groups=groups, alpha=alpha)
-    names = _names(image)
-    channels = exr.channels(path, [name for each in names.values() for name in each] + ["A"])
-    groups = {group: np.stack([channels[name] for name in each], axis=-1) for group, each in names.items()}
-    return replace(image, groups=groups, alpha=channels["A"])
+        yield from blender_exr.render_blocks(path, image.model, layers, list(image.illuminants))
+        return
+    for rows, height, found in exr.blocks(path, _wanted(image)):
+        yield Block(rows, height, {group: found[group] for group in image.illuminants}, found[None][..., 0])

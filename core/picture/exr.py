@@ -1,11 +1,12 @@
 """Reading OpenEXR: named channels, checked to be whole and finite."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -14,7 +15,10 @@ from ..errors import CoefficientImageError
 if TYPE_CHECKING:
     from OpenImageIO import ImageInput, ImageSpec
 
-__all__ = ["attribute", "attributes", "channels", "names", "read_rgb", "size"]
+__all__ = ["attribute", "attributes", "blocks", "channels", "names", "read_rgb", "size", "stacks"]
+
+_ROWS = 64  # read at a time: a few of what any codec packs together
+_Key = TypeVar("_Key", bound=Hashable)
 
 
 @contextmanager
@@ -88,25 +92,62 @@ def size(path: str | Path, wanted: Collection[str]) -> tuple[int, int]:
 
 
 def channels(path: str | Path, wanted: Collection[str]) -> dict[str, np.ndarray]:
-    """Channel name -> (height, width) float32, of the channels with these full names.
+    """Channel name -> (height, width) float32, of the channels with these full names. Raises as `blocks` does."""
+    return {name: stack[..., 0] for name, stack in stacks(path, {name: [name] for name in wanted}).items()}
 
-    Raises CoefficientImageError where a wanted one is missing or cropped, or has pixels that are not finite
-    numbers.
-    """
-    path = Path(path)
-    found: dict[str, np.ndarray] = {}
-    with _opened(path) as image:
-        for part, spec, held in _holding(path, image, wanted):
-            _check_part(path, image, spec, held)
-            first, last = min(held.values()), max(held.values()) + 1
-            block = image.read_image(part, 0, first, last, "float")
-            if block is None:
-                raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_reason(image)})")
-            block = np.asarray(block).reshape(spec.height, spec.width, last - first)
-            chosen = {name: block[..., index - first] for name, index in held.items()}
-            _check_finite(path, chosen)
-            found |= chosen
+
+def stacks(path: str | Path, wanted: Mapping[_Key, Sequence[str]]) -> dict[_Key, np.ndarray]:
+    """{key: (height, width, channels) float32} of the channels that each key wants. Raises as `blocks` does."""
+    found: dict[_Key, np.ndarray] = {}
+    for rows, height, read in blocks(path, wanted):
+        for key, block in read.items():
+            found.setdefault(key, np.empty((height, *block.shape[1:]), np.float32))[rows] = block
     return found
+
+
+def blocks(
+    path: str | Path, wanted: Mapping[_Key, Sequence[str]]
+) -> Iterator[tuple[slice, int, dict[_Key, np.ndarray]]]:
+    """Yield (rows, height of the picture, {key: (rows, width, channels) float32}) from the highest row down.
+
+    wanted: the full names of each key's channels, in whatever parts. No more than a few rows are in memory. Raises
+    CoefficientImageError where one is missing or cropped, or has pixels that are not finite numbers; these are not
+    yielded.
+    """
+    path, bad = Path(path), Counter[str]()
+    with _opened(path) as image:
+        parts = _holding(path, image, [name for each in wanted.values() for name in each])
+        for _, spec, held in parts:
+            _check_part(path, image, spec, held)
+        # Tiles lie across rows: a part of them is read at once
+        whole = {part: _pixels(path, image, part, spec, held) for part, spec, held in parts if spec.tile_width}
+        height = parts[0][1].height if parts else 0
+        for top in range(0, height, _ROWS):
+            rows = slice(top, min(top + _ROWS, height))
+            found: dict[str, np.ndarray] = {}
+            for part, spec, held in parts:
+                block = whole[part][rows] if part in whole else _pixels(path, image, part, spec, held, rows)
+                first = min(held.values())
+                found |= {name: block[..., index - first] for name, index in held.items()}
+            for name, values in found.items():
+                bad[name] += values.size - int(np.count_nonzero(np.isfinite(values)))
+            if not any(bad.values()):
+                yield rows, height, {key: np.stack([found[name] for name in each], -1) for key, each in wanted.items()}
+    _check_finite(path, bad)
+
+
+def _pixels(
+    path: Path, image: "ImageInput", part: int, spec: "ImageSpec", held: Mapping[str, int], rows: slice | None = None
+) -> np.ndarray:
+    """(rows, width, channels) of a part, from its first wanted channel to its last."""
+    first, last = min(held.values()), max(held.values()) + 1
+    if rows is None:
+        block = image.read_image(part, 0, first, last, "float")
+    else:
+        block = image.read_scanlines(part, 0, spec.y + rows.start, spec.y + rows.stop, 0, first, last, "float")
+    if block is None:
+        raise CoefficientImageError(f"{path}: the file is damaged or cut short ({_reason(image)})")
+    return np.asarray(block).reshape(-1, spec.width, last - first)
 
 
 def _holding(path: Path, image: "ImageInput", wanted: Collection[str]) -> list[tuple[int, "ImageSpec", dict[str, int]]]:
@@ -143,18 +184,16 @@ def _check_part(path: Path, image: "ImageInput", spec: "ImageSpec", held: Mappin
         )
 
 
-def _check_finite(path: Path, pixels: Mapping[str, np.ndarray]) -> None:
+def _check_finite(path: Path, bad: Mapping[str, int]) -> None:
     """Infinity times a matrix of either sign is not a number; half floats reach it at 65504."""
-    for name, values in pixels.items():
-        bad = values.size - np.count_nonzero(np.isfinite(values))
-        if bad:
+    for name, count in bad.items():
+        if count:
             raise CoefficientImageError(
-                f"{path}: channel {name!r} has {bad} pixels that are not finite numbers; if the file is half float, "
+                f"{path}: channel {name!r} has {count} pixels that are not finite numbers; if the file is half float, "
                 "render again as full (32-bit) float"
             )
 
 
 def read_rgb(path: str | Path) -> np.ndarray:
     """(height, width, 3) float32 of the channels R, G and B of an image. Raises CoefficientImageError."""
-    found = channels(path, "RGB")
-    return np.stack([found[name] for name in "RGB"], axis=-1)
+    return stacks(path, {"": "RGB"})[""]
