@@ -75,3 +75,52 @@ def test_a_file_of_the_first_version_is_read_for_ever():
     assert (found.white, found.white_balance, found.observer) == ((1.1, 1.0, 0.35), 0.5, "CIE 1964 10°")
     assert found.view["view_transform"] == "AgX"
     assert coefficients.describe(path).size == found.size == (6, 4)
+
+
+@pytest.fixture
+def tall():
+    """More rows than are read at a time, and not a multiple of them."""
+    model, random = bases.fitted(6), np.random.default_rng(5)
+    groups = {name: random.random((150, 7, 6), dtype=np.float32) for name in ("Key", "Fill")}
+    alpha = random.random((150, 7), dtype=np.float32)
+    return coefficients.CoefficientImage(model, groups, dict.fromkeys(groups, library.illuminant("A")), alpha)
+
+
+def as_tiles(path):
+    """Write an EXR again in tiles, as other programs do."""
+    pixels, spec = oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT), oiio.ImageInput.open(str(path)).spec()
+    spec.tile_width = spec.tile_height = 32
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec) and output.write_image(pixels) and output.close()
+
+
+@pytest.mark.parametrize("stored", [lambda path: None, as_tiles])
+def test_read_a_few_rows_at_a_time_it_is_the_same_picture(tall, tmp_path, stored):
+    path = tmp_path / "a.exr"
+    coefficients.write(path, tall, picture(tall))
+    stored(path)
+    again = coefficients.read(path)
+    for name, values in tall.groups.items():
+        np.testing.assert_array_equal(again.groups[name], values)
+    np.testing.assert_array_equal(again.alpha, tall.alpha)
+    described, relit = coefficients.relit(path, lambda image: image.matrices())
+    np.testing.assert_array_equal(described.alpha, tall.alpha)
+    np.testing.assert_array_equal(relit, coefficients.recombine(list(again.groups.values()), again.matrices()))
+    assert described.size == again.size and not described.groups
+
+
+def test_pixels_that_are_not_finite_are_counted_in_all_rows_before_anything_is_made_of_them(tall, tmp_path):
+    for row in (70, 140):
+        tall.groups["Fill"][row, 1, 2] = np.inf
+    coefficients.write(tmp_path / "a.exr", tall, np.zeros((150, 7, 3), dtype=np.float32))
+    for read in (coefficients.read, lambda path: coefficients.relit(path, lambda image: image.matrices())):
+        with pytest.raises(coefficients.CoefficientImageError, match=r"Fill.* has 2 pixels"):
+            read(tmp_path / "a.exr")
+
+
+def test_a_file_cut_short_below_its_first_rows_is_refused(tall, tmp_path):
+    path = tmp_path / "a.exr"
+    coefficients.write(path, tall, picture(tall))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 3 // 4])
+    with pytest.raises(coefficients.CoefficientImageError, match="cut short|cannot be read"):
+        coefficients.relit(path, lambda image: image.matrices())
