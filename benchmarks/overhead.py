@@ -1,16 +1,17 @@
 """What a spectral render costs: time and noise over Blender's own RGB, at the same total of samples or noise threshold.
 
 `python -m relume.benchmarks.overhead [--samples N] [--percent P] [--runs R] [--channels P ...] [--scenes NAME ...]
-[--illuminant NAME] [--threshold NOISE] [--variants]`
+[--illuminant NAME] [--threshold NOISE] [--variants] [--settings]`
 
 The scenes are set up as an artist would: the passes share the samples. In RGB, lamps have the colours of their
 illuminants. The set-ups take turns, so that a busy machine slows all of them; what is printed are ratios to RGB. Time:
-median over runs. Variance of luminance over runs: in the median pixel and on average over pixels, as part of the
-pixel's own luminance squared; and in the picture, the mean variance as part of the mean luminance squared. Colour
-error: mean CIEDE2000 of a run to a long render of its own kind: as rendered; denoised by the picture alone; denoised
-with albedo and normal as guides, Blender's own way and the compositor's; and every pass of every light group denoised
-with guides before recombination, as `relume render` does. RGB has but one way to be denoised with guides.
-`--variants` takes away, one after the other, what keeps noise low.
+the processor's, median over runs. Variance of luminance over runs: in the median pixel and on average over pixels, as
+part of the pixel's own luminance squared; and in the picture, the mean variance as part of the mean luminance squared.
+Colour error: mean CIEDE2000 of a run to a long render of its own kind: as rendered; denoised by the picture alone;
+denoised with albedo and normal as guides, Blender's own way and the compositor's; and every pass of every light group
+denoised with guides before recombination, as `relume render` does. RGB has but one way to be denoised with guides.
+`--variants` takes away, one after the other, what keeps noise low. `--settings` changes one of Cycles' own settings of
+sampling at a time, of RGB as well: all are held against RGB as Cycles sets it, at the same samples.
 """
 
 import argparse
@@ -43,6 +44,13 @@ _VARIANTS = [
     ("and channels by wavelength", channel_order, "balanced", lambda model: model),
     ("and the same seed", passes, "sampling_for", lambda scene, model: _with_one_seed(scene, model)),
 ]
+_SETTINGS = {
+    "without light tree": {"use_light_tree": False},
+    "guided paths": {"use_guiding": True},
+    "blue noise": {"sampling_pattern": "BLUE_NOISE"},
+    "classic": {"sampling_pattern": "TABULATED_SOBOL"},
+    "adaptive": {"use_adaptive_sampling": True, "adaptive_threshold": 0.05},
+}
 _THRESHOLD = [("one threshold for all", sampling, "adaptive", lambda threshold, minimum, *_: (threshold, minimum))]
 
 
@@ -53,6 +61,7 @@ class Row:
     words: str
     channels: int = 0  # 0 for Blender's own RGB
     without: list = field(default_factory=list)  # what is taken away
+    settings: dict = field(default_factory=dict)  # of Cycles
     seconds: list = field(default_factory=list)
     pictures: list = field(default_factory=list)
     clean: list = field(default_factory=list)  # of each run, denoised by the picture alone, with guides, pass by pass
@@ -75,6 +84,9 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
     scene.cycles.seed = _SEED_STEP * seed
     if arguments.threshold and seed != LONG_RUN:
         scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, arguments.threshold
+    if seed != LONG_RUN:
+        for name, value in row.settings.items():
+            setattr(scene.cycles, name, value)
     if arguments.illuminant:
         for light_group in scene.relume.light_groups:
             light_group.illuminant = arguments.illuminant
@@ -85,9 +97,9 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
         for _, module, name, stand_in in row.without:
             patches.enter_context(mock.patch.object(module, name, stand_in))
         setup.set_up(scene, bases.fitted(row.channels))
-    began = time.perf_counter()
+    began = time.process_time()
     rendered = render.render(scene, path.parent, guides=None if seed == LONG_RUN else GUIDES)
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     lights = {group.name: group.light() for group in scene.relume.light_groups}
     picture = render.picture(rendered.image, lights)
     if seed == LONG_RUN:
@@ -120,9 +132,9 @@ def plain(scene, path: Path) -> tuple[float, np.ndarray, dict]:
     output.color_depth = "32"
     layer.cycles.denoising_store_passes = True
     scene.render.filepath = str(path)
-    began = time.perf_counter()
+    began = time.process_time()
     bpy.ops.render.render(write_still=True)
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     groups, _ = coefficients.read_render(path, bases.rgb(), [layer.name], [coefficients.EVERYTHING_ELSE])
     (guides,) = coefficients.read_guides(path, [layer.name], GUIDES)
     return seconds, groups[coefficients.EVERYTHING_ELSE], guides
@@ -165,6 +177,11 @@ def _measure(path: Path, arguments) -> list[Row]:
         p = arguments.channels[0]
         variants = _THRESHOLD if arguments.threshold else _VARIANTS
         rows += [Row(f"p = {p}, {words}", p, variants[: n + 1]) for n, (words, *_) in enumerate(variants)]
+    if arguments.settings:
+        kinds = {"RGB": 0, **{f"p = {p}": p for p in arguments.channels}}
+        rows += [
+            Row(f"{kind}, {words}", p, [], {**each}) for words, each in _SETTINGS.items() for kind, p in kinds.items()
+        ]
     for run in range(arguments.runs):
         for row in rows:
             row.long_run = long_runs[row.channels]
@@ -186,6 +203,7 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--illuminant", metavar="NAME", help="of every light group (the scene's own)")
     parser.add_argument("--threshold", type=float, metavar="NOISE", help="of adaptive sampling, up to --samples (off)")
     parser.add_argument("--variants", action="store_true", help="of the first number of channels")
+    parser.add_argument("--settings", action="store_true", help="of Cycles' sampling, one changed at a time")
     arguments = parser.parse_args(argv)
     if arguments.runs < 2:
         parser.error("variance needs 2 runs or more")

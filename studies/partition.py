@@ -1,12 +1,12 @@
 """Filters of which every pass's three share out one common weighting: the noise of hue they save, and what it costs.
 
-    python -m relume.studies.partition [--reflectances FILE] [--iterations N] [--noise WEIGHT ...]
+    python -m relume.studies.partition [--reflectances FILE] [--iterations N] [--noise WEIGHT ...] [--passes N]
 
 Then a pass's three channels, each times its share of the weighting, sum to the same number in every pass, whatever the
 spectrum: what of the passes' noise is one of brightness can be divided out exactly, without blurring anything.
 
 The noise is that of a pixel whose samples are, each with a brightness of its own (relative variance 1), half the colour
-of a surface and half that of its product with another; the passes have a third of the samples each. *Hue* is the
+of a surface and half that of its product with another; the passes share the samples. *Hue* is the
 variance across the direction of brightness, in the metric of CIEDE2000, over that of an RGB render with as many
 samples: to first order, for many samples. "Divided" is without the passes' brightness: exact for filters that share a
 weighting, while for others the ratio of two passes' brightness has to be taken from a blurred picture.
@@ -53,42 +53,55 @@ class Pixels:
     def mean(self) -> Array:
         return np.einsum("s,msn->mn", self.weights, self.samples)
 
-    def across(self, power: Array) -> Array:
-        """(e, m, 3, 3) of power weights (e, n, 3): what of a small difference is not of brightness, in CIEDE2000."""
-        white, found = power.sum(axis=1), []
-        for one, each in zip(power, white, strict=True):
+    def metric(self, power: Array) -> tuple[Array, Array]:
+        """(e, m, 3, 3) of power weights (e, n, 3): a small difference in CIEDE2000, and what is not of brightness."""
+        metrics, across = [], []
+        for one, white in zip(power, power.sum(axis=1), strict=True):
             xyz = self.mean @ one
-            metric = relight.local_metric(xyz, each)
+            metric = relight.local_metric(xyz, white)
             along = np.einsum("mij,mj->mi", metric, xyz)
             along /= np.linalg.norm(along, axis=1, keepdims=True)
-            found.append(metric - along[:, :, None] * np.einsum("mi,mij->mj", along, metric)[:, None])
-        return np.stack(found)
+            metrics.append(metric)
+            across.append(metric - along[:, :, None] * np.einsum("mi,mij->mj", along, metric)[:, None])
+        return np.stack(metrics), np.stack(across)
 
-    def rgb_variance(self, power: Array) -> float:
-        """Of hue, for one sample of an RGB render, the mean over pixels and illuminants."""
-        seen = np.einsum("emij,enj,msn->emsi", self.across(power), power, self.samples, optimize=True)
-        return float((1 + SPREAD) * np.einsum("emsi,s->", seen**2, self.weights) / seen[..., 0, 0].size)
+    def rgb_variance(self, power: Array) -> Array:
+        """(2,) of one sample of an RGB render, of hue and in all: the mean over pixels and illuminants."""
+        seen = np.einsum("enj,msn->emsj", power, self.samples, optimize=True)
+        return self._variance(seen, power)
 
-    def variance(self, filters: Array, matrices: Array, power: Array, brightness: Array | None) -> float:
+    def variance(self, filters: Array, matrices: Array, power: Array, brightness: Array | None) -> Array:
         """The same with filters (n, 3 k) and matrices (e, 3, 3 k), for one sample in all passes together.
 
         brightness: (3 k,) how the channels of a pass sum to what is divided out; None where nothing is.
         """
-        total, across = 0.0, self.across(power)
-        for k in range(filters.shape[1] // 3):
-            own = slice(3 * k, 3 * k + 3)
-            each = self.samples @ filters[:, own]
-            mean = np.einsum("s,msj->mj", self.weights, each)
-            seen = across @ matrices[:, None, :, own]
-            if brightness is None:
-                square = (1 + SPREAD) * np.square(np.einsum("emij,msj->emsi", seen, each)).sum(axis=-1) @ self.weights
-                total += float((square - np.square(np.einsum("emij,mj->emi", seen, mean)).sum(axis=-1)).mean())
-            else:
-                bright = each @ brightness[own]
-                left = each - mean[:, None] * (bright / (bright @ self.weights)[:, None])[..., None]
-                square = np.square(np.einsum("emij,msj->emsi", seen, left)).sum(axis=-1) @ self.weights
-                total += (1 + SPREAD) * float(square.mean())
-        return total * (filters.shape[1] // 3)
+        passes = filters.shape[1] // 3
+        seen = [self.samples @ filters[:, 3 * k : 3 * k + 3] for k in range(passes)]
+        parts = [matrices[..., 3 * k : 3 * k + 3] for k in range(passes)]
+        means = [np.einsum("s,msj->mj", self.weights, each) for each in seen]
+        whole = sum(np.einsum("eij,mj->emi", part, mean) for part, mean in zip(parts, means, strict=True))
+        found = np.zeros(2)
+        for k in range(passes):
+            made = passes * seen[k]
+            if brightness is not None:
+                bright = seen[k] @ brightness[3 * k : 3 * k + 3]
+                bright /= (bright @ self.weights)[:, None]
+                made = made - passes * means[k][:, None] * bright[..., None]
+            colour = np.einsum("eij,msj->emsi", parts[k], made, optimize=True)
+            if brightness is not None:
+                colour += whole[:, :, None] * bright[..., None]
+            found += self._variance(colour, power) / passes
+        return found
+
+    def _variance(self, colours: Array, power: Array) -> Array:
+        """(2,) of the XYZ (e, m, s, 3) of samples, each times a brightness of its own: of hue, and in all."""
+        found = []
+        for metric in reversed(self.metric(power)):
+            seen = np.einsum("emij,emsj->emsi", metric, colours, optimize=True)
+            mean = np.einsum("emsi,s->emi", seen, self.weights)
+            square = (1 + SPREAD) * np.einsum("emsi,s->em", seen**2, self.weights) - np.square(mean).sum(axis=-1)
+            found.append(square.mean())
+        return np.array(found)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,24 +146,24 @@ class Shared:
 class Aim:
     """Accuracy of products, and noise of hue, weighed against each other: what filters and matrices are fitted to."""
 
-    def __init__(self, power: Array, noise: float, seed: int = 1):
+    def __init__(self, power: Array, noise: float, passes: int = PASSES, seed: int = 1):
         spectra = training.reflectances()
         self.spectra, self.drawn = spectra, training.products(spectra, optimise.BOUNCES, most=200)
         self.pixels, self.white = Pixels.drawn(spectra, seed), power.sum(axis=1)
         truth, metric, _ = relight.targets(self.drawn, power)
-        count = SURFACES * (1 + SECONDS)
-        across = self.pixels.across(power)
+        self.passes, count = passes, SURFACES * (1 + SECONDS)
+        _, across = self.pixels.metric(power)
         across = np.einsum("emai,emaj->emij", across, across)
         entries = np.stack([across[..., a, b] for a, b in relight.PAIRS], axis=1)  # (e, 6, m)
-        weights = noise * PASSES * (1 + SPREAD) / self.pixels.rgb_variance(power) / SURFACES * self.pixels.weights
+        weights = noise * passes * (1 + SPREAD) / self.pixels.rgb_variance(power)[0] / SURFACES * self.pixels.weights
         entries = (entries[..., None] * weights).reshape(len(power), 6, count)
-        self.truth = np.concatenate([truth, np.zeros((len(power), 3, PASSES * count))], axis=2)
-        self.metric = np.concatenate([metric, *[entries] * PASSES], axis=2) / len(power)
+        self.truth = np.concatenate([truth, np.zeros((len(power), 3, passes * count))], axis=2)
+        self.metric = np.concatenate([metric, *[entries] * passes], axis=2) / len(power)
 
     def coefficients(self, filters: Array, brightness: Array) -> Array:
         """(N, 3 k): those of the products, and what is left of each pixel's samples in each pass."""
         rows = [self.drawn.coefficients(self.spectra @ filters)]
-        for k in range(PASSES):
+        for k in range(self.passes):
             own = slice(3 * k, 3 * k + 3)
             each = self.pixels.samples @ filters[:, own]
             bright = each @ brightness[own]
@@ -183,14 +196,14 @@ class Aim:
         for chosen in self.drawn.factors:
             part = by_row[done : done + len(chosen)]
             done += len(chosen)
-            for own in range(chosen.shape[1]):
-                others = np.delete(chosen, own, axis=1)
-                np.add.at(by_factor, chosen[:, own], part * factors[others].prod(axis=1))
+            for place in range(chosen.shape[1]):
+                others = np.delete(chosen, place, axis=1)
+                np.add.at(by_factor, chosen[:, place], part * factors[others].prod(axis=1))
         by_filters, by_weighting = self.spectra.T @ by_factor, np.zeros(len(filters))
         samples, mean = self.pixels.samples, self.pixels.mean
         bright = samples @ shared.weighting
         ratio = bright / (mean @ shared.weighting)[:, None]
-        for k, part in enumerate(np.split(by_row[done:], PASSES)):
+        for k, part in enumerate(np.split(by_row[done:], self.passes)):
             own = slice(3 * k, 3 * k + 3)
             pull = part[:, own].reshape(*samples.shape[:2], 3)
             pulled = np.einsum("ms,msj->mj", ratio, pull)
@@ -235,38 +248,39 @@ def _judged(filters: Array, matrices: Array, spectra: Array, power: Array, count
     return " / ".join(f"{value:.2f}" for value in np.percentile(found, (50, 90, 99)))
 
 
-def section(spectra: Array, iterations: int, noises: Sequence[float]) -> Section:
+def section(spectra: Array, iterations: int, noises: Sequence[float], passes: int = PASSES) -> Section:
     """Accuracy and noise of today's filters, and of those that share a weighting."""
     power = np.stack([relight.power_weights(light.sampled(), library.observer()) for light in cie_lights()])
     pixels, rows = Pixels.drawn(spectra, seed=5), []
     plain = pixels.rgb_variance(power)
 
     def judge(name: str, filters: Array, brightness: Array, known: float, divided: bool) -> None:
-        matrices = Aim(power, known).matrices(filters, brightness)
-        hue = pixels.variance(filters, matrices, power, brightness if divided else None) / plain
+        matrices = Aim(power, known, passes).matrices(filters, brightness)
+        hue, whole = pixels.variance(filters, matrices, power, brightness if divided else None) / plain
         errors = [_judged(filters, matrices, spectra, power, count) for count in (1, 2)]
-        rows.append([name, known or "–", *errors, f"{hue:.2f}"])
+        rows.append([name, known or "–", *errors, f"{hue:.2f}", f"{whole:.2f}"])
 
-    model = channel_order.balanced(bases.fitted(3 * PASSES))
+    model = channel_order.balanced(bases.fitted(3 * passes))
     bright = model.relight(library.illuminant("D65"))[1]
     judge("today's", model.filters, bright, 0.0, False)
     judge("today's, divided", model.filters, bright, 0.0, True)
     for known in noises:
         judge("today's, divided", model.filters, bright, known, True)
-    start = interleaved()
+    start = interleaved(passes)
     shared = Shared.of(start)
     for known in (0.0, *noises):
         judge("shared, bands interleaved", shared.filters, shared.brightness, known, True)
     for known in (0.0, *noises):
-        start = optimised(start, Aim(power[::EVERY], known), iterations)
+        start = optimised(start, Aim(power[::EVERY], known, passes), iterations)
         shared = Shared.of(start)
         judge("shared, optimised", shared.filters, shared.brightness, known, True)
     words = (
-        f"Nine channels. CIEDE2000 of {len(spectra)} reflectances and of products of two under {len(power)} CIE "
-        "illuminants, median / 90th / 99th percentile; variance of hue over an RGB render's. The weight says how much "
-        "that variance counted beside the squared errors when the matrices, and filters that were optimised, were made."
+        f"{passes} passes of three channels. CIEDE2000 of {len(spectra)} reflectances and of products of two under "
+        f"{len(power)} CIE illuminants, median / 90th / 99th percentile; variance of hue, and of hue and brightness, over an RGB "
+        "render's. The weight says how much that of hue counted beside the squared errors when the matrices, and "
+        "filters that were optimised, were made."
     )
-    return Section("Filters that share a weighting", words, ("filters", "weight", "ΔE", "of two", "hue"), rows)
+    return Section("Filters that share a weighting", words, ("filters", "weight", "ΔE", "of two", "hue", "all"), rows)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -274,11 +288,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--reflectances", type=Path, metavar="FILE", help="to judge by (the CES of colour-science)")
     parser.add_argument("--iterations", type=int, default=300, metavar="N", help="for each weight (300)")
     parser.add_argument("--noise", type=float, nargs="+", default=[0.01, 0.03, 0.1], metavar="WEIGHT")
+    parser.add_argument("--passes", type=int, default=PASSES, metavar="N", help="of three channels each (3)")
     options = parser.parse_args(argv)
     judges = files.read(options.reflectances, "reflectance") if options.reflectances else library.reflectances("ces")
     with optimise.one_thread():
         values = np.stack([spectrum.sampled() for spectrum in judges])
-        publish("partition", [section(values, options.iterations, options.noise)])
+        publish("partition", [section(values, options.iterations, options.noise, options.passes)])
     return 0
 
 
