@@ -4,9 +4,10 @@
 
 Each point is measured in a process of its own, all of whose memory is therefore the point's. Seconds are those of the
 processor, on all cores together, so that a busy machine says the same; those of Cycles' synchronisation are by the
-clock. *RGB render* is Blender's own render of the same scene, with the samples of one pass. Memory: the most that the
-process held, less what it held when the scene was made. The exponent is the slope of each column on logarithmic axes,
-over the upper half of the points: 1 is linear, 0 does not grow; what grows faster than `n^1.15` is marked.
+clock. *RGB render* is Blender's own render of the same scene, with the samples of one pass; *with light groups*, the
+same where it stores those of the spectral render as well. Memory: the most that the process held, less what it held
+when the scene was made. The exponent is the slope of each column on logarithmic axes, over the upper half of the
+points: 1 is linear, 0 does not grow; what grows faster than `n^1.15` is marked.
 """
 
 import argparse
@@ -27,7 +28,16 @@ from ..core.model import bases
 from ..studies import figures
 from . import conversion
 
-_COLUMNS = ("RGB render", "set up", "remove", "synchronisation", "render", "recombination", "memory")
+_COLUMNS = (
+    "RGB render",
+    "with light groups",
+    "set up",
+    "remove",
+    "synchronisation",
+    "render",
+    "recombination",
+    "memory",
+)
 _AXES = {
     "materials": (1, 10, 100, 1000, 3000),
     "light groups": (1, 2, 4, 8, 16, 32),
@@ -134,6 +144,7 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
     }[axis](count)
     before = _memory("VmRSS")
     _, plain = _seconds(bpy.ops.render.render)
+    _, grouped = _seconds(_render_groups, scene)
     _, set_up = _seconds(setup.set_up, scene, model)
     lights = {group.name: group.light() for group in scene.relume.light_groups}
     with tempfile.TemporaryDirectory() as folder:
@@ -143,7 +154,17 @@ def _point(axis: str, count: float) -> tuple[float, ...]:
     memory = _memory("VmHWM") - before
     sync = sum(times["sync_seconds"] for times in rendered.times.values())
     _, remove = _seconds(setup.remove, scene)
-    return plain, set_up, remove, sync, seconds, recombination, memory
+    return plain, grouped, set_up, remove, sync, seconds, recombination, memory
+
+
+def _render_groups(scene) -> None:
+    """Blender's own render of a scene, which stores its light groups while it lasts."""
+    (layer,) = scene.view_layers
+    for row in scene.relume.light_groups:
+        layer.lightgroups.add(name=row.name)
+    bpy.ops.render.render()
+    while layer.lightgroups:
+        bpy.ops.scene.view_layer_remove_lightgroup()
 
 
 def _in_a_process(axis: str, count: float) -> list[float]:
@@ -168,7 +189,7 @@ def _frames(count: int) -> tuple[float, ...]:
         if any(status for status, _ in taken):
             raise RuntimeError(f"{count} frames could not be rendered and relit")
         nothing = float("nan")
-        return nothing, nothing, nothing, nothing, taken[0][1], taken[1][1], _memory("VmHWM") - before
+        return nothing, nothing, nothing, nothing, nothing, taken[0][1], taken[1][1], _memory("VmHWM") - before
 
 
 def exponent(counts, values) -> float:

@@ -76,7 +76,7 @@ def _in_a_process(*asked) -> float:
 
 def main(argv: list[str] | None = None):
     parser = argparse.ArgumentParser(prog="python -m relume.benchmarks.memory", description=__doc__)
-    parser.add_argument("--megapixels", type=float, nargs=2, default=[2.1, 8.3], metavar=("A", "B"), help="(2.1 8.3)")
+    parser.add_argument("--megapixels", type=float, nargs=2, default=[1.0, 3.0], metavar=("A", "B"), help="(1 3)")
     parser.add_argument("--groups", type=int, default=2, help="light groups (2)")
     parser.add_argument("--point", nargs=4, metavar=("WORK", "SIDE", "GROUPS", "FOLDER"), help=argparse.SUPPRESS)
     arguments = parser.parse_args(argv)

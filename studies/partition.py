@@ -277,8 +277,8 @@ def section(spectra: Array, iterations: int, noises: Sequence[float], passes: in
     words = (
         f"{passes} passes of three channels. CIEDE2000 of {len(spectra)} reflectances and of products of two under "
         f"{len(power)} CIE illuminants, median / 90th / 99th percentile; variance of hue, and of hue and brightness, "
-        "over an RGB render's. The weight says how much that of hue counted beside the squared errors when the matrices, and "
-        "filters that were optimised, were made."
+        "over an RGB render's. The weight says how much that of hue counted beside the squared errors when the "
+        "matrices, and filters that were optimised, were made."
     )
     return Section("Filters that share a weighting", words, ("filters", "weight", "ΔE", "of two", "hue", "all"), rows)
 
