@@ -88,7 +88,7 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[n
     return picture, render.picture(divided(image, row.brightness), lights)
 
 
-def _measure(path: Path, arguments, models, white_of) -> list[str]:
+def _measure(path: Path, arguments, models) -> list[str]:
     rows = [Row("RGB"), Row("p = 9", bases.fitted(9))]
     for model, brightness in models:
         rows.append(Row(f"shared, p = {model.channels}", model, brightness))
@@ -97,11 +97,10 @@ def _measure(path: Path, arguments, models, white_of) -> list[str]:
     def error(pictures, truth) -> float:
         return float(differences.picture_delta_E(np.array(pictures) @ to_xyz.T, truth @ to_xyz.T, white).mean())
 
-    white = None
-    for row in rows:
-        row.long_run, beside = _render(row, path, arguments, 0, arguments.long)
-        white = white_of() if white is None else white
-        row.beside = error([beside], row.long_run)
+    sides = [_render(row, path, arguments, 0, arguments.long) for row in rows]
+    white = recombination.mixed_white(bases.bands(), setup.lighting(bpy.context.scene))  # of the last, which is set up
+    for row, (plain, done) in zip(rows, sides, strict=True):
+        row.long_run, row.beside = plain, error([done], plain)
     for run in range(arguments.runs):
         for row in rows:
             plain, done = _render(row, path, arguments, run + 1, arguments.samples)
@@ -144,11 +143,7 @@ def main(argv: list[str] | None = None):
             overhead.SCENES[name]()
             path = Path(temporary) / f"{name}.blend"
             bpy.ops.wm.save_as_mainfile(filepath=str(path))
-
-            def white_of():
-                return recombination.mixed_white(bases.bands(), setup.lighting(bpy.context.scene))
-
-            lines = _measure(path, arguments, models, white_of)
+            lines = _measure(path, arguments, models)
             print(
                 "\n".join(["", f"{name}, {arguments.samples} samples, {arguments.runs} runs:", "", *lines]), flush=True
             )
