@@ -1,24 +1,40 @@
 """Where the colours of a material, lamp or world come from, as the planner needs it."""
 
+from dataclasses import dataclass, replace
+
 from ...core.model import fresnel
-from ...core.spectra.spectrum import SpectrumError
+from ...core.picture import finish
+from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..host import animation
 from . import nodes, spectra
 from .closures import Kind, in_use, is_animated, kind_of, spectral_sockets
 from .lights import blackbody_behind
 from .wiring import Wiring
 
-__all__ = ["is_grey", "sources_of"]
+__all__ = ["Source", "is_grey", "sources_of"]
 
 _METAL = ("IOR", "Extinction")
+_SOME_DENSITY = 1.0  # where it is not a number
 
 
-def sources_of(owner, kelvin: float | None = None) -> list:
+@dataclass(frozen=True)
+class Source:
+    """A colour, and what is made of it.
+
+    colour: a Spectrum, an RGB colour as a tuple, or None for colours that are not known, as those of a texture. again:
+    the part of the light that it reflects more than once. density: of what absorbs 1 less its colour, per metre; or 0.
+    """
+
+    colour: Spectrum | tuple | None
+    again: float = 0.0
+    density: float = 0.0
+
+
+def sources_of(owner, kelvin: float | None = None) -> list[Source]:
     """The sources of all colours that a material, lamp or world shows, groups included.
 
-    Each is a Spectrum, an RGB colour as a tuple, or None for colours that are not known, as those of a texture. Greys
-    are left out, but for one where there is nothing else. kelvin: of the light group, where it is a black body; light
-    of that temperature has no colour of its own.
+    Greys are left out, but for one where there is nothing else. kelvin: of the light group, where it is a black body;
+    light of that temperature has no colour of its own.
     """
     trees = _trees_in(owner.node_tree)
     wiring = Wiring(trees)
@@ -28,18 +44,42 @@ def sources_of(owner, kelvin: float | None = None) -> list:
         for node in tree.nodes:
             used = [socket for socket in spectral_sockets(node) if in_use(socket, animated[tree])]
             if _is_rgb_metal(wiring, node, used):
-                found.append(_metal_colour(wiring, node))
+                found.append(_finished(wiring, used[0], _metal_colour(wiring, node)))
                 continue
             for socket in used:
                 shines = kelvin and kind_of(socket) is Kind.EMISSION
                 if not (shines and blackbody_behind(socket) == kelvin):
-                    found += _ends(wiring, animated, socket)
-    return [source for source in found if not is_grey(source)] or found[:1]
+                    found += [_finished(wiring, socket, colour) for colour in _ends(wiring, animated, socket)]
+    return [source for source in found if not is_grey(source.colour)] or found[:1]
 
 
-def is_grey(source) -> bool:
-    """Whether a source is the same in every channel."""
-    return isinstance(source, tuple) and len(set(source)) == 1
+def is_grey(colour) -> bool:
+    """Whether a colour is the same in every channel."""
+    return isinstance(colour, tuple) and len(set(colour)) == 1
+
+
+def _finished(wiring: Wiring, socket, colour) -> Source:
+    """The source that a colour is in a socket of a closure."""
+    node, source = socket.node, Source(colour)
+
+    def number(name: str) -> float:
+        return wiring.holder(node.inputs[name]).default_value
+
+    match node.bl_idname:
+        case "ShaderNodeBsdfDiffuse":
+            return replace(source, again=finish.rough_diffuse(number("Roughness")))
+        case "ShaderNodeBsdfMetallic" | "ShaderNodeBsdfAnisotropic":
+            return replace(source, again=finish.rough_glossy(number("Roughness")))
+        case "ShaderNodeBsdfPrincipled" if socket.identifier == "Base Color":
+            if number("Metallic") > 0.5:
+                return replace(source, again=finish.rough_glossy(number("Roughness")))
+            return replace(source, again=finish.rough_diffuse(number("Diffuse Roughness")))
+        case "ShaderNodeVolumeScatter" | "ShaderNodeVolumePrincipled" if socket.identifier == "Color":
+            return replace(source, again=finish.VOLUME)
+        case "ShaderNodeVolumeAbsorption":
+            is_known = wiring.link(node.inputs["Density"]) is None
+            return replace(source, density=max(number("Density"), 0.0) if is_known else _SOME_DENSITY)
+    return source
 
 
 def _trees_in(start) -> list:

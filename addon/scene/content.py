@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import bpy
 
 from ...core.errors import SetupError
-from ...core.picture import plan
+from ...core.picture import finish, plan
 from ...core.spectra import library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, lights, sockets
 from ..graph.lamps import first_illuminants
 from ..graph.memory import Memory
-from ..graph.sources import is_grey, sources_of
+from ..graph.sources import Source, is_grey, sources_of
 from ..host import inventory
 from ..host.steps import finished
 from . import shading
@@ -24,6 +24,7 @@ __all__ = ["checksum", "content_of", "dominant", "looking"]
 _COMMON = ("D65", "A", "FL2", "FL11", "LED-B3", "HP1")
 _COLUMNS = 48  # rays through the picture from left to right
 _GREY = (0.8, 0.8, 0.8)
+_WAY = 1.0  # metres through what has no size, as the air of a world
 _LEAST = 0.1  # of the picture: what colours count for together, however small they are in it
 
 
@@ -39,27 +40,31 @@ def looking(scene) -> Generator[None, None, plan.Content]:
     kelvin = {s.owner: temperatures.get(lights.group_of(s, shining.groups)) for s in shining.shadings if temperatures}
     seen = yield from _shares(scene, found)
 
-    measured, colours, textures = {}, Counter(), 0.0
-    for sources, part in _parts(found, seen, lamps, kelvin):
+    shown: dict[object, _Shown] = {}
+    for sources, part, way in _parts(found, seen, lamps, kelvin):
         yield
         for source in sources:
-            share = part / len(sources)
-            if source is None:
-                textures += share
-            elif isinstance(source, tuple):
-                colours[source] += share
-            else:
-                measured[source.name] = (source, share + measured.get(source.name, (source, 0.0))[1])
-    greys = sum(share for colour, share in colours.items() if is_grey(colour))
-    known = textures + colours.total() - greys + sum(share for _, share in measured.values())
-    if known and greys * _LEAST > known * (1 - _LEAST):
-        scale = known * (1 - _LEAST) / (greys * _LEAST)
-        colours = Counter({c: share * scale if is_grey(c) else share for c, share in colours.items()})
+            colour = source.colour
+            key = colour.name if isinstance(colour, Spectrum) else colour
+            shown.setdefault((key, source.density > 0), _Shown(colour)).add(source, part / len(sources), way)
+    textures = [each for each in shown.values() if each.colour is None]
+    greys = [each for each in shown.values() if is_grey(each.colour)]
+    known = sum(each.share for each in shown.values()) - sum(each.share for each in greys)
+    grey = sum(each.share for each in greys)
+    if known and grey * _LEAST > known * (1 - _LEAST):
+        for each in greys:
+            each.shrink(known * (1 - _LEAST) / (grey * _LEAST))
+    measured = [each for each in shown.values() if isinstance(each.colour, Spectrum)]
+    colours = [each for each in shown.values() if isinstance(each.colour, tuple)]
+    surfaces = [*measured, *colours]
+    unknown = sum(each.share for each in textures)
     return plan.Content(
-        reflectances=[spectrum for spectrum, _ in measured.values()],
-        colours=list(colours),
-        shares=[*(share for _, share in measured.values()), *colours.values()],
-        textures=textures,
+        reflectances=[each.colour for each in measured],
+        colours=[each.colour for each in colours],
+        shares=[each.share for each in surfaces],
+        textures=unknown,
+        again=[*(each.again for each in surfaces), sum(e.again * e.share for e in textures) / (unknown or 1.0)],
+        depths=[each.depth for each in surfaces],
         lights=_illuminants(scene, shining),
         choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
@@ -74,21 +79,46 @@ def checksum(content: plan.Content) -> str:
     said = [spectrum.name.encode() + spectrum.values.tobytes() for spectrum in spectra]
     said += [content.colours.tobytes(), content.shares.tobytes()]
     said += [repr((content.textures, content.bounces, content.space, content.disperses)).encode()]
+    said += [each.tobytes() for each in (content.parts_again, content.optical_depths) if each.any()]
     return hashlib.sha256(b"|".join(said)).hexdigest()[:16]
 
 
+@dataclass
+class _Shown:
+    """A colour that a scene shows: its part of the picture, and means over that of what is made of it."""
+
+    colour: Spectrum | tuple | None
+    share: float = 0.0
+    again: float = 0.0
+    depth: float = 0.0
+
+    def add(self, source: Source, share: float, way: float) -> None:
+        self.share += share
+        part = share / self.share if self.share else 1.0
+        self.again += part * (source.again - self.again)
+        self.depth += part * (source.density * way - self.depth)
+
+    def shrink(self, scale: float) -> None:
+        self.share *= scale
+
+
 def _parts(found: inventory.Inventory, seen: Counter, lamps: dict, kelvin: dict):
-    """(sources, share) of what is seen, and of the coloured lamps and world: together these light all that is seen."""
+    """(sources, share, way) of what is seen, and of coloured lamps and the world: together they light all that is seen.
+
+    way: the mean way through what shows it, in metres.
+    """
     for owner, share in seen.items():
-        yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [_GREY], share
+        thing = found.materials.get(owner)
+        way = finish.way_through(thing.dimensions) if thing else _WAY
+        yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [Source(_GREY)], share, way
     shining = [*found.lights, *([found.world] if found.world else [])]
     for owner in shining:
         sources = sources_of(owner, kelvin.get(owner))
         if owner != found.world:
-            sources += _lamp_sources(owner, lamps.get(owner), kelvin.get(owner))
-        coloured = [source for source in sources if not is_grey(source)]
+            sources += map(Source, _lamp_sources(owner, lamps.get(owner), kelvin.get(owner)))
+        coloured = [source for source in sources if not is_grey(source.colour)]
         if coloured:
-            yield coloured, seen.total() / len(shining)
+            yield coloured, seen.total() / len(shining), _WAY
 
 
 def _lamp_sources(light, lamp, kelvin: float | None) -> list:

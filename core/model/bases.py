@@ -141,6 +141,7 @@ def scene(
     exact: bool | None = None,
     lobes: bool = False,
     rule: type[Fitted] = Fitted,
+    bounces: Sequence[float] | None = None,
 ) -> FactorModel:
     """`fitted`, specialised to the reflectances and illuminants (lists of Spectrum) of one scene.
 
@@ -149,7 +150,8 @@ def scene(
     are to stay non-negative. lobes: let exact filters be negative in places, mostly where the eye sees little, for
     further bounces several times nearer to the truth; the scene's own coefficients stay positive even so, but those of
     other reflectances may leave 0..1. `benchmarks/core_accuracy.py` gives both in figures. rule: `Direct` where light
-    is reflected once. Raises ModelError.
+    is reflected once. bounces: how much products of 1, 2 and 3 reflectances count for the filters; by default as much
+    as for the matrices of the rule. Raises ModelError.
     """
     _check_channels(channels)
     if not reflectances or not illuminants:
@@ -165,7 +167,7 @@ def scene(
     own = np.stack([spectrum.sampled() for spectrum in reflectances])
     power = np.stack([illuminant.sampled() for illuminant in illuminants])
     with optimise.one_thread():
-        task = optimise.Task.of(*training.with_general(own, rule.bounces, part=8), power)
+        task = optimise.Task.of(*training.with_general(own, bounces or rule.bounces, part=8), power)
         weights = np.concatenate([relight.power_weights(e, library.observer()) for e in power], axis=1)
         filters = optimise.scene_filters(fitted(channels).filters, task, weights)
         found: Array | None = filters

@@ -8,6 +8,7 @@ from ..colour import differences
 from ..colour.spaces import D65_WHITE, REC709, RGB_SPACES, rgb_to_xyz
 from ..spectra import library
 from ..spectra.arrays import Array, ArrayLike
+from ..spectra.spectrum import WAVELENGTHS
 from .factor_model import FactorModel, ModelError
 
 __all__ = ["RGB_SPACES", "filter_difference", "is_outside_rec709", "rgb_matrix", "rgb_spectra", "rgb_to_xyz"]
@@ -55,6 +56,8 @@ def _rec709_matrix(model: FactorModel) -> Array:
     target = rgb_to_xyz()
     if model.channels < 3:
         return np.tile(target[1], (model.channels, 1))
+    if not np.array_equal(model.wavelengths, WAVELENGTHS):  # white is that of daylight on the model's own wavelengths
+        target = target * (_under_daylight(model).sum(axis=1) / target.sum(axis=1))[:, None]
     matrix = _nearest(model.coefficients(_primaries(model).T).T, _under_daylight(model), target)
     matrix.setflags(write=False)
     return matrix

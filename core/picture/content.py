@@ -23,6 +23,8 @@ class Content:
 
     reflectances: the measured spectra. colours: (m, 3) RGB colours of `space`. shares: part of the picture of each
     reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
+    again: part of the light that each of them, textures last, reflects more than once, as `finish` has it. depths:
+    optical depth of each that is a medium which absorbs, where it is black; 0 for what reflects. Both none by default.
     lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
     often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
     """
@@ -36,6 +38,8 @@ class Content:
     bounces: int = 4
     space: str = REC709
     disperses: bool = False
+    again: ArrayLike | None = None
+    depths: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         colours = np.asarray(self.colours, dtype=np.float64).reshape(-1, 3)
@@ -43,10 +47,18 @@ class Content:
         shares = np.ones(count) if self.shares is None else np.asarray(self.shares, dtype=np.float64)
         if shares.shape != (count,) or (shares < 0).any():
             raise UsageError(f"a scene of {count} surfaces needs as many shares of 0 or more, got {shares.shape}")
+        again = np.zeros(count + 1) if self.again is None else np.asarray(self.again, dtype=np.float64)
+        if again.shape != (count + 1,) or not ((again >= 0) & (again < 1)).all():
+            raise UsageError(f"{count} surfaces and their textures reflect a part of 0 to 1 again, got {again.shape}")
+        depths = np.zeros(count) if self.depths is None else np.asarray(self.depths, dtype=np.float64)
+        if depths.shape != (count,) or not (depths >= 0).all():
+            raise UsageError(f"a scene of {count} surfaces needs as many depths of 0 or more, got {depths.shape}")
         if not self.lights:
             raise UsageError("a scene needs at least one light")
         object.__setattr__(self, "colours", colours)
         object.__setattr__(self, "shares", shares)
+        object.__setattr__(self, "again", again)
+        object.__setattr__(self, "depths", depths)
 
     @property
     def rgb(self) -> Array:
@@ -57,6 +69,16 @@ class Content:
     def parts(self) -> Array:
         """(surfaces,) the shares, as an array."""
         return np.asarray(self.shares)
+
+    @property
+    def parts_again(self) -> Array:
+        """(surfaces + 1,) `again`, as an array."""
+        return np.asarray(self.again)
+
+    @property
+    def optical_depths(self) -> Array:
+        """(surfaces,) the depths, as an array."""
+        return np.asarray(self.depths)
 
     @property
     def switches(self) -> bool:
@@ -84,6 +106,8 @@ def kept(content: Content) -> Content:
         reflectances=[content.reflectances[n] for n in chosen if n < measured],
         colours=content.rgb[[n - measured for n in chosen if n >= measured]],
         shares=content.parts[chosen],
+        again=content.parts_again[[*chosen, -1]],
+        depths=content.optical_depths[chosen],
         choices=(),
     )
 

@@ -70,6 +70,8 @@ class Shows(Struct):
     reflectances: Annotated[list[SpectrumText], Meta(max_length=1000)] = []
     colours: Annotated[list[White], Meta(max_length=1000)] = []
     textures: Gain = 0.0
+    again: Annotated[list[Degree], Meta(max_length=1001)] | None = None
+    depths: Annotated[list[Gain], Meta(max_length=1000)] | None = None
 
 
 class _Version(Struct):
@@ -116,6 +118,7 @@ def to_dict(image: CoefficientImage, groups: Iterable[str] | None = None) -> dic
 
 def _shown(content: Content) -> dict[str, Any]:
     content = kept(content)
+    rough, deep = (np.round(each, 6).tolist() for each in (content.parts_again, content.optical_depths))
     return {
         "bounces": content.bounces,
         "space": content.space,
@@ -123,6 +126,8 @@ def _shown(content: Content) -> dict[str, Any]:
         "reflectances": [spectrum.to_dict() for spectrum in content.reflectances],
         "colours": np.round(content.rgb, 6).tolist(),
         "textures": round(content.textures, 6),
+        **({"again": rough} if any(rough) else {}),
+        **({"depths": deep} if any(deep) else {}),
     }
 
 
@@ -229,7 +234,15 @@ def _content(text: Shows | None, lights: list[Spectrum]) -> Content | None:
     reflectances = [_spectrum("shows, reflectances", one) for one in text.reflectances]
     try:
         return Content(
-            reflectances, text.colours, text.shares, text.textures, lights, bounces=text.bounces, space=text.space
+            reflectances,
+            text.colours,
+            text.shares,
+            text.textures,
+            lights,
+            bounces=text.bounces,
+            space=text.space,
+            again=text.again,
+            depths=text.depths,
         )
     except RelumeError as error:
         raise CoefficientImageError(f"shows: {error}") from None

@@ -18,6 +18,7 @@ from ..model.rules import Direct, Fitted
 from ..model.upsample import rgb_spectra
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum
+from . import finish
 from .content import Content
 from .pixels import PIXELS, Pixels, difference
 
@@ -27,6 +28,7 @@ CHANNELS = (3, 6, 9, 12, 15, 18, 21, 24)
 SPECTRUM = 9  # channels that a spectrum behind a prism needs
 SCENE = 12  # channels of a model whose filters are made for a scene, where general ones of as many do not do
 WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
+BOUNCES = (1.0, 0.5, 0.25)  # how much products of 1, 2 and 3 of its surfaces count for them
 SURE = 0.9  # times the tolerance
 MOST_SURFACES, MOST_LIGHTS = 60, 8
 
@@ -143,9 +145,9 @@ def _made_for(content: Content) -> Candidate | None:
     lights = [*content.lights, *content.choices]
     if not content.reflectances or len(content.parts) > MOST_SURFACES or len(lights) > MOST_LIGHTS or content.textures:
         return None
-    spectra = (rgb_spectra(content.space) @ content.rgb.T).T
-    colours = [Spectrum(WAVELENGTHS, values) for values in np.clip(spectra, 0, 1)]
-    made = bases.scene(SCENE, [*content.reflectances, *colours], lights, exact=False, rule=_rule(content))
+    own = [Spectrum(WAVELENGTHS, values) for values in _known(content, content.rgb)]
+    bounces = BOUNCES if content.bounces else None
+    made = bases.scene(SCENE, own, lights, exact=False, rule=_rule(content), bounces=bounces)
     return Candidate(made, *predict(made, content))
 
 
@@ -204,9 +206,20 @@ def fitted_to(content: Content, channels: int) -> FactorModel:
     if content.textures > 0:
         levels = srgb_decoded(np.linspace(0, 1, 4))
         colours = np.concatenate([colours, np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(-1, 3)])
-    upsampled = colours @ rgb_spectra(content.space).T
-    known = [*(spectrum.sampled() for spectrum in content.reflectances), *np.clip(upsampled, 0, 1)]
-    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, _rule(content)(np.array(known)))
+    known = _known(content, colours)
+    return FactorModel("scene", WAVELENGTHS, bases.fitted(channels).filters, _rule(content)(known))
+
+
+def _known(content: Content, colours: Array) -> Array:
+    """(m, 81): spectra of a scene's surfaces, those of RGB `colours` among them, and of light behind its media."""
+    upsampled = np.clip(colours @ rgb_spectra(content.space).T, 0, 1)
+    measured = np.array([each.sampled() for each in content.reflectances]).reshape(-1, WAVELENGTHS.size)
+    spectra = np.concatenate([measured, upsampled])
+    depths = np.zeros(len(spectra))
+    depths[: len(content.parts)] = content.optical_depths
+    deep = depths > 0
+    spectra[deep] = finish.let_through(spectra[deep], depths[deep, None])
+    return spectra
 
 
 def _rule(content: Content) -> type[Fitted]:

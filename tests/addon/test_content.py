@@ -363,3 +363,31 @@ def test_a_scene_is_looked_at_piece_by_piece(startup):
         startup.objects["thing" if not number else f"thing.{number:03}"].data.materials.append(material)
     pieces = sum(1 for _ in content.looking(startup))
     assert pieces > 2 * 40, "a pause for every material and object, so that a window goes on"
+
+
+def test_roughness_and_depth_are_told(startup, cube):
+    """What becomes of a colour: a rough surface reflects light again, a medium has the depth of its object."""
+    tree = cube.node_tree
+    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Color"].default_value = (0.8, 0.2, 0.1, 1.0)
+    diffuse.inputs["Roughness"].default_value = 1.0
+    tree.links.new(diffuse.outputs[0], surface(tree))
+    told = content.content_of(startup)
+    assert max(told.parts_again) == pytest.approx(0.166, abs=0.01)
+    assert not told.optical_depths.any()
+    for link in list(surface(tree).links):
+        tree.links.remove(link)
+    medium = tree.nodes.new("ShaderNodeVolumeAbsorption")
+    medium.inputs["Color"].default_value = (0.8, 0.2, 0.1, 1.0)
+    medium.inputs["Density"].default_value = 3.0
+    tree.links.new(medium.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
+    tree.nodes.remove(diffuse)
+    thing = bpy.data.objects["Cube"]
+    told = content.content_of(startup)
+    depths = told.optical_depths[told.optical_depths > 0]
+    assert depths == pytest.approx([3.0 * thing.dimensions.x * 2 / 3])
+    thing.scale = (2, 2, 2)
+    bpy.context.view_layer.update()
+    assert max(content.content_of(startup).optical_depths) == pytest.approx(2 * depths[0])
+    assert content.checksum(content.content_of(startup)) != content.checksum(told)

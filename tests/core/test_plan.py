@@ -53,7 +53,7 @@ def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
 
 
 def test_gels_get_filters_of_their_own_where_general_ones_need_more_passes():
-    gels = plan.Content(judges.films()[80:109], lights=[light("A"), light("FL11")], bounces=0)
+    gels = plan.Content(judges.films()[80:109], lights=[light("A"), light("FL11")], bounces=2)
     found = plan.choose(gels, 0.5)
     assert found.model.channels == 12
     assert "made for this scene" in found.reason
@@ -74,16 +74,19 @@ def test_textures_of_any_colour_are_within_the_tolerance_under_every_cie_illumin
 
 
 def test_prediction_agrees_with_full_spectra():
-    """The same scene by brute force: 81 wavelengths, surfaces drawn afresh, one light at a time."""
+    """The same scene by brute force: 81 wavelengths, surfaces and ways drawn afresh, one light at a time."""
     random = np.random.default_rng(1)
     content = room(bounces=2)
     spectra = np.stack([surface.sampled() for surface in content.reflectances])
-    drawn = random.integers(len(spectra), size=(3, 4000))
-    amounts = [random.uniform(0, 1, (4000, 1)), *(random.uniform(0.5, 1, (4000, 1)) ** k for k in (1, 2))]
+    first, drawn = random.integers(len(spectra), size=4000), random.integers(len(spectra), size=(2, 4, 4000))
+    bright, direct = random.uniform(0, 1, (2, 4000, 1))
+    amounts = random.uniform(0, 1, (2, 4, 4000, 1)) * random.uniform(0.75, 1, (4, 4000, 1)) ** np.array([1, 2]).reshape(
+        2, 1, 1, 1
+    )
 
     def pixels(factors):
-        met = np.cumprod(factors[drawn], axis=0)
-        return sum(amount * product for amount, product in zip(amounts, met, strict=True))
+        ways = (amounts * np.cumprod(factors[drawn], axis=0)).sum(axis=0).mean(axis=0)
+        return bright * factors[first] * (direct + ways)
 
     for p in (3, 6, 9):
         model = plan.FactorModel("scene", WAVELENGTHS, bases.fitted(p).filters, rules.Fitted(spectra))
