@@ -6,6 +6,7 @@ from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.content import Content
 from ...core.picture.mix import Mix
 from ..host import console
+from ..host.steps import finished
 from ..scene import content
 
 __all__ = ["of", "seen", "tell"]
@@ -29,7 +30,9 @@ def of(image: CoefficientImage, mix: Mix) -> dict:
     except MeasureError:
         return {}
     record = {"median": round(found.median, 4), "p98": round(found.p98, 4), "level": found.level}
-    better = expectation.advice(image.model, image.shows, mix) if found.level == expectation.LEVELS[-1] else ""
+    if found.level != expectation.LEVELS[-1]:
+        return record
+    better = finished(expectation.advising(image.model, image.shows, mix))
     return record | ({"better": better} if better else {})
 
 

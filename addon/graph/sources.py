@@ -23,11 +23,13 @@ class Source:
 
     colour: a Spectrum, an RGB colour as a tuple, or None for colours that are not known, as those of a texture. again:
     the part of the light that it reflects more than once. density: of what absorbs 1 less its colour, per metre; or 0.
+    shines: whether it is light that is sent out.
     """
 
     colour: Spectrum | tuple | None
     again: float = 0.0
     density: float = 0.0
+    shines: bool = False
 
 
 def sources_of(owner, kelvin: float | None = None) -> list[Source]:
@@ -60,7 +62,7 @@ def is_grey(colour) -> bool:
 
 def _finished(wiring: Wiring, socket, colour) -> Source:
     """The source that a colour is in a socket of a closure."""
-    node, source = socket.node, Source(colour)
+    node, source = socket.node, Source(colour, shines=kind_of(socket) is Kind.EMISSION)
 
     def number(name: str) -> float:
         return wiring.holder(node.inputs[name]).default_value

@@ -41,8 +41,10 @@ def looking(scene) -> Generator[None, None, plan.Content]:
     seen = yield from _shares(scene, found)
 
     shown: dict[object, _Shown] = {}
-    for sources, part, way in _parts(found, seen, lamps, kelvin):
+    filtered = []
+    for owner, sources, part, way in _parts(found, seen, lamps, kelvin):
         yield
+        filtered += _filtered(found, shining, owner, sources)
         for source in sources:
             colour = source.colour
             key = colour.name if isinstance(colour, Spectrum) else colour
@@ -65,6 +67,7 @@ def looking(scene) -> Generator[None, None, plan.Content]:
         textures=unknown,
         again=[*(each.again for each in surfaces), sum(e.again * e.share for e in textures) / (unknown or 1.0)],
         depths=[each.depth for each in surfaces],
+        filtered=filtered,
         lights=_illuminants(scene, shining),
         choices=_choices(scene.relume.switching),
         bounces=scene.cycles.max_bounces,
@@ -103,14 +106,14 @@ class _Shown:
 
 
 def _parts(found: inventory.Inventory, seen: Counter, lamps: dict, kelvin: dict):
-    """(sources, share, way) of what is seen, and of coloured lamps and the world: together they light all that is seen.
+    """(owner, sources, share, way) of what is seen, and of coloured lamps and the world, which together light it.
 
     way: the mean way through what shows it, in metres.
     """
     for owner, share in seen.items():
         thing = found.materials.get(owner)
         way = finish.way_through(thing.dimensions) if thing else _WAY
-        yield (sources_of(owner, kelvin.get(owner)) if owner else []) or [Source(_GREY)], share, way
+        yield owner, (sources_of(owner, kelvin.get(owner)) if owner else []) or [Source(_GREY)], share, way
     shining = [*found.lights, *([found.world] if found.world else [])]
     for owner in shining:
         sources = sources_of(owner, kelvin.get(owner))
@@ -118,7 +121,17 @@ def _parts(found: inventory.Inventory, seen: Counter, lamps: dict, kelvin: dict)
             sources += map(Source, _lamp_sources(owner, lamps.get(owner), kelvin.get(owner)))
         coloured = [source for source in sources if not is_grey(source.colour)]
         if coloured:
-            yield coloured, seen.total() / len(shining), _WAY
+            yield owner, coloured, seen.total() / len(shining), _WAY
+
+
+def _filtered(found: inventory.Inventory, shining: "_Shining", owner, sources: list[Source]) -> list[tuple]:
+    """(name, light group, spectrum) of light that goes through a spectrum in a light group where others shine too."""
+    spectra = [each.colour for each in sources if each.shines and isinstance(each.colour, Spectrum)]
+    thing = found.lights.get(owner) or found.materials.get(owner) or (owner if owner == found.world else None)
+    if not spectra or thing is None:
+        return []
+    group = lights.group_named_by(thing)
+    return [(thing.name, group, each) for each in spectra] if len(shining.members.get(group, ())) > 1 else []
 
 
 def _lamp_sources(light, lamp, kelvin: float | None) -> list:
@@ -130,14 +143,18 @@ def _lamp_sources(light, lamp, kelvin: float | None) -> list:
 
 @dataclass
 class _Shining:
-    """The light groups that shine in a scene, the temperature of those that are one black body, the illuminants that
-    they begin with, and all that shades the scene; whether any glass makes a spectrum."""
+    """What shines in each light group of a scene, the temperature of those that are one black body, the illuminants
+    that they begin with, and all that shades the scene; whether any glass makes a spectrum."""
 
-    groups: list[str]
+    members: dict[str, list[str]]
     temperatures: dict[str, float]
     firsts: dict[str, str]
     shadings: list[sockets.Shading]
     disperses: bool
+
+    @property
+    def groups(self) -> list[str]:
+        return list(self.members)
 
 
 def _shining(scene) -> Generator[None, None, tuple[inventory.Inventory, _Shining]]:
@@ -151,7 +168,7 @@ def _shining(scene) -> Generator[None, None, tuple[inventory.Inventory, _Shining
         yield
     temperatures = lights.temperatures_of(groups, glows)
     firsts = first_illuminants(scene, groups, temperatures)
-    return found, _Shining(groups, temperatures, firsts, list(glows), disperses)
+    return found, _Shining(surveyed.members, temperatures, firsts, list(glows), disperses)
 
 
 def _illuminants(scene, shining: _Shining) -> list:

@@ -121,12 +121,8 @@ def _soon(name: str) -> None:
             if scene is not None and scene.relume.is_set_up:
                 if begun != edition:
                     steps, begun = _working_out(scene), edition
-                until = time.monotonic() + _SLICE
-                while time.monotonic() < until:
-                    next(steps)
-                return _WAIT
-        except StopIteration:
-            pass
+                if not _is_worked_off(steps):
+                    return _WAIT
         except ReferenceError:  # a data-block went away meanwhile
             begun = None
             return _PAUSE
@@ -135,6 +131,17 @@ def _soon(name: str) -> None:
         return None
 
     bpy.app.timers.register(work, first_interval=_WAIT)
+
+
+def _is_worked_off(steps: Generator) -> bool:
+    """Work for a slice; whether all is done."""
+    until = time.monotonic() + _SLICE
+    try:
+        while time.monotonic() < until:
+            next(steps)
+    except StopIteration:
+        return True
+    return False
 
 
 def _known(settings, key: tuple, name: str) -> expectation.Expectation | str | None:
@@ -175,24 +182,32 @@ def draw_mix(layout, settings) -> None:
 
 def _better(settings) -> str:
     """What would help the mix; worked out once the artist leaves it for a moment, as that takes longer."""
-    key, name = _of_mix(settings), settings.id_data.name
+    key, name, steps = _of_mix(settings), settings.id_data.name, None
     if key not in _advice and _advising["key"] != key:
         _advising["key"] = key
 
-        def advise() -> None:
+        def advise() -> float | None:
+            nonlocal steps
             scene = bpy.data.scenes.get(name)
             if scene is None or not scene.relume.is_set_up or _of_mix(scene.relume) != key:
                 _advising["key"] = None
-                return
-            _advice.clear()
-            with suppress(RelumeError):
-                _advice[key] = expectation.advice(
-                    scene.relume.model(), finished(_content(scene)), setup.lighting(scene)
-                )
+                return None
+            steps = steps or _finding_advice(scene, key)
+            with suppress(RelumeError, ReferenceError):
+                if not _is_worked_off(steps):
+                    return _WAIT
             viewing.redraw()
+            return None
 
         bpy.app.timers.register(advise, first_interval=2 * _PAUSE)
     return _advice.get(key, "")
+
+
+def _finding_advice(scene, key: tuple) -> Generator[None, None, None]:
+    shows = yield from _content(scene)
+    better = yield from expectation.advising(scene.relume.model(), shows, setup.lighting(scene))
+    _advice.clear()
+    _advice[key] = better
 
 
 def _words(found: expectation.Expectation | str | None) -> str:
@@ -225,7 +240,7 @@ class Expected(Operator):
         scene = context.scene
         try:
             mix = setup.lighting(scene)
-            better = expectation.advice(scene.relume.model(), finished(_content(scene)), mix)
+            better = finished(expectation.advising(scene.relume.model(), finished(_content(scene)), mix))
         except RelumeError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -25,6 +25,7 @@ class Content:
     reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
     again: part of the light that each of them, textures last, reflects more than once, as `finish` has it. depths:
     optical depth of each that is a medium which absorbs, where it is black; 0 for what reflects. Both none by default.
+    filtered: what shines through a spectrum in the light group of others: its name, that group, the spectrum.
     lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
     often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
     """
@@ -40,6 +41,7 @@ class Content:
     disperses: bool = False
     again: ArrayLike | None = None
     depths: ArrayLike | None = None
+    filtered: Sequence[tuple[str, str, Spectrum]] = ()
 
     def __post_init__(self) -> None:
         colours = np.asarray(self.colours, dtype=np.float64).reshape(-1, 3)

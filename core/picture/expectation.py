@@ -4,7 +4,8 @@ Pixels are drawn from what the scene shows (`pixels`) and held against their spe
 They are kept from one mix to the next: a change costs a relight matrix and the comparison of some hundred colours.
 """
 
-from dataclasses import dataclass
+from collections.abc import Generator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -12,16 +13,18 @@ import numpy as np
 from ..errors import MeasureError
 from ..model import bases
 from ..model.factor_model import FactorModel
+from ..model.integration import FINE
+from ..model.rules import Fitted
 from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.library import OBSERVER
 from ..spectra.spectrum import Spectrum
 from .content import Content, general
 from .mix import Light, Mix
-from .pixels import Pixels, difference
+from .pixels import Pixels, difference, true_weights
 from .plan import CHANNELS
 
-__all__ = ["GREEN", "LEVELS", "YELLOW", "Expectation", "advice", "expected", "expected_of", "level", "words"]
+__all__ = ["GREEN", "LEVELS", "YELLOW", "Expectation", "advising", "expected", "expected_of", "level", "words"]
 
 DRAWN = 700
 GREEN, YELLOW = 0.5, 2.0  # CIEDE2000 at the 98th percentile below which a level is left
@@ -85,26 +88,73 @@ def words(expectation: Expectation, content: Content | None) -> str:
     return f"ΔE {expectation.median:.2f} expected, {expectation.p98:.2f} at the 98th percentile{known}"
 
 
-def advice(model: FactorModel, content: Content | None, mix: Mix) -> str:
-    """What would help a mix whose level is not green: the fewest channels that are yellow or green, and their error.
+def advising(model: FactorModel, content: Content | None, mix: Mix) -> Generator[None, None, str]:
+    """What would help a mix whose level is not green, in words; works piece by piece, for who draws meanwhile.
 
-    Empty where nothing needs help, or nothing helps. Takes up to a second: it is for who asks.
+    A light group of its own for what shines through a spectrum in that of others; else the fewest channels that are
+    yellow or green, and their error. Empty where nothing needs help, or nothing helps.
     """
+    yield from _prepared(model, content, mix)
     now = expected(model, content, mix)
     if now.level == "green" or model.is_reference:
         return ""
     aim = GREEN if now.level == "yellow" else YELLOW
+    for name, group, spectrum in _surfaces(content).filtered:
+        light = mix.lights.get(group)
+        if light is not None and light.gain > 0:
+            inside, own = _filtered(model, _lit(_surfaces(content)), light, spectrum, mix.observer)
+            if inside >= aim and own < 0.7 * inside:
+                return f"give {name} a light group of its own, of what it sends out: {own:.1f} in place of {inside:.1f}"
+            yield
     best = None
     for channels in (each for each in CHANNELS if each > model.channels):
-        error = expected(bases.fitted(channels), content, mix).p98
+        finer = bases.fitted(channels)
+        yield from _prepared(finer, content, mix)
+        error = expected(finer, content, mix).p98
         if best is None or error < best[1]:
             best = channels, error
         if error < min(aim, 0.7 * now.p98):
             break
+        yield
     if best is None or best[1] > 0.8 * now.p98:
+        yield from _prepared(bases.bands(81), content, mix)
         exact = expected(bases.bands(81), content, mix).p98
         return f"Exact, 27 passes: {exact:.1f}" if exact < 0.8 * now.p98 else ""
     return f"{best[0]} channels: {best[1]:.1f}"
+
+
+def _filtered(
+    model: FactorModel, content: Content, light: Light, spectrum: Spectrum, observer: str | tuple[Spectrum, ...]
+) -> tuple[float, float]:
+    """98th percentiles in light that goes through a spectrum: as products of coefficients, and as a light by itself."""
+    through = light.illuminant.sampled(FINE) * spectrum.sampled(FINE)
+    if not through.max() > 0:
+        return 0.0, 0.0
+    sent = Spectrum(FINE, through, spectrum.name, "illuminant")
+    matrix = model.relight(light.illuminant, observer)
+    true = _drawn(content).true_xyz(sent, observer)
+    white = true_weights(sent, observer).sum(axis=0)
+    found = (_coefficients(model, content) * model.coefficients(spectrum)) @ matrix.T
+    luminance = float(spectrum.sampled(FINE) @ true_weights(light.illuminant, observer)[:, 1])
+    inside = _summary(found / max(luminance, 1e-12), true, white)
+    return inside.p98, expected_of(model, content, Light(sent), observer).p98
+
+
+def _prepared(model: FactorModel, content: Content | None, mix: Mix) -> Generator[None, None, None]:
+    """Work out and keep what `expected` takes, light by light."""
+    surfaces = _surfaces(content)
+    _drawn(surfaces)
+    yield
+    for light in mix.lights.values():
+        if light.gain > 0:
+            _drawn(surfaces).true_xyz(light.illuminant, mix.observer)
+            yield
+            _ = model.training_coefficients if isinstance(model.rule, Fitted) else None
+            yield
+            _coefficients(model, surfaces)
+            yield
+            _seen(model, surfaces, light.illuminant, mix.observer)
+            yield
 
 
 @lru_cache(maxsize=1)
@@ -114,6 +164,21 @@ def _anything() -> Content:
 
 def _surfaces(content: Content | None) -> Content:
     return _anything() if content is None else content
+
+
+@lru_cache(maxsize=8)
+def _lit(content: Content) -> Content:
+    """What a scene shows, without the spectra that light goes through, which stand among its surfaces."""
+    filters = {spectrum.name for _, _, spectrum in content.filtered}
+    stays = [n for n, spectrum in enumerate(content.reflectances) if spectrum.name not in filters]
+    kept = np.array([*stays, *range(len(content.reflectances), len(content.parts))], dtype=int)
+    return replace(
+        content,
+        reflectances=[content.reflectances[n] for n in stays],
+        shares=content.parts[kept],
+        again=content.parts_again[[*kept, -1]],
+        depths=content.optical_depths[kept],
+    )
 
 
 @lru_cache(maxsize=8)

@@ -19,7 +19,7 @@ def rough_diffuse(roughness: float) -> float:
     """Part of the light that meets a diffuse surface of Cycles (Oren-Nayar, by Fujii and Portsmouth) more than once.
 
     >>> round(rough_diffuse(1.0), 3), round(rough_diffuse(0.0), 3)
-    (0.166, 0.0)
+    (0.167, 0.0)
     """
     roughness = min(max(roughness, 0.0), 1.0)
     scale = 1 / (math.pi + roughness * (math.pi / 2 - 2 / 3))

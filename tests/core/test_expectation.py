@@ -23,6 +23,16 @@ def light(name, gain=1.0):
     return Light(library.illuminant(name), gain)
 
 
+def advice(*arguments):
+    """What `advising` comes to."""
+    steps = expectation.advising(*arguments)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            return done.value
+
+
 @pytest.fixture
 def chart():
     return Content(PATCHES, lights=[library.illuminant("A")], bounces=0)
@@ -100,7 +110,7 @@ def test_a_gel_the_reference_and_the_exact_model():
     bands, exact = (expectation.expected(bases.bands(n), shown, mix) for n in (36, 81))
     assert bands.level == "red"
     assert exact.p98 < 0.2 * bands.p98
-    assert "channels" in expectation.advice(bases.fitted(6), shown, mix)
+    assert "channels" in advice(bases.fitted(6), shown, mix)
 
 
 def test_what_is_black_is_told():
@@ -111,12 +121,26 @@ def test_what_is_black_is_told():
 
 def test_advice_is_for_what_is_not_green_and_names_what_it_would_reach(chart):
     model = bases.fitted(3)
-    assert expectation.advice(bases.fitted(15), chart, Mix({"a": light("D65")})) == ""
+    assert advice(bases.fitted(15), chart, Mix({"a": light("D65")})) == ""
     mix = Mix({"a": light("FL11")})
-    channels, reached = expectation.advice(model, chart, mix).split(" channels: ")
+    channels, reached = advice(model, chart, mix).split(" channels: ")
     better = expectation.expected(bases.fitted(int(channels)), chart, mix)
     assert better.p98 < expectation.expected(model, chart, mix).p98
     assert float(reached) == pytest.approx(better.p98, abs=0.2)
+
+
+def test_what_shines_through_a_line_in_the_group_of_others_is_told_to_leave_it():
+    """A filter as narrow as a laser, over a lamp of a group in daylight; of its own, the same light is integrated."""
+    nm = np.arange(380, 781, 1.0)
+    narrow = Spectrum(nm, np.exp(-(((nm - 532) / 3) ** 2)), "narrow filter")
+    content = Content(PATCHES, lights=[library.illuminant("D65")], bounces=0, filtered=[("Laser", "room", narrow)])
+    shown = replace(content, reflectances=[*PATCHES, narrow], shares=None, again=None, depths=None)
+    mix = Mix({"room": light("D65")})
+    said = advice(bases.fitted(6), shown, mix)
+    assert "give Laser a light group of its own" in said
+    own, inside = (float(word) for word in said.split(": ")[1].split(" in place of "))
+    assert own < 0.5 * inside
+    assert "light group" not in advice(bases.fitted(6), shown, Mix({"room": light("D65", 0.0), "b": light("FL11")}))
 
 
 def test_a_file_says_what_it_shows(chart):
