@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.colour import differences
 from ..core.model import bases, relight
+from ..core.model.absorption import DEPTH, tint
 from ..core.model.factor_model import FactorModel
 from ..core.model.integration import FINE, fine_weights
 from ..core.spectra import library
@@ -23,7 +24,7 @@ __all__ = ["absorption", "errors", "many_bounces", "narrow"]
 CHANNELS = (6, 9, 12, 18, 24)
 PERCENTILES = (50, 90, 99)
 DEPTHS = (1, 3, 10)  # optical depth where a medium absorbs most
-EFFECTIVE = 3.0  # optical depth at which an effective absorption is right
+RIGHT_AT = (1.0, DEPTH, 10.0)  # optical depths at which the absorption of a channel is right, in place of its mean
 ALBEDO = 0.98
 BOUNCES = 20
 
@@ -151,11 +152,6 @@ def many_bounces() -> reports.Section:
     )
 
 
-def _mean_through(model: FactorModel, spectra: Sequence[Spectrum], depth: float) -> Array:
-    """(m, p): what each channel truly lets through at an optical depth, absorption being 1 less the spectra (m)."""
-    return np.exp(-depth * (1 - np.stack([spectrum.sampled() for spectrum in spectra]))) @ model.filters
-
-
 def absorption() -> reports.Section:
     """Beer's law at several optical depths."""
     chosen = judges.measured()[:200]
@@ -169,22 +165,23 @@ def absorption() -> reports.Section:
         rows += _rows(name, chosen, [library.illuminant("D65")], through)
         for p in CHANNELS:
             model = bases.fitted(p)
-            effective = -np.log(_mean_through(model, chosen, EFFECTIVE)) / EFFECTIVE
+            for at in RIGHT_AT:
+                tints = np.stack([tint(model, colour, at) for colour in chosen])
 
-            def by_effect(factors: Array, depth: float = depth, effective: Array = effective) -> Array:
-                return np.exp(-depth * (effective if factors.shape == effective.shape else 1 - factors))
+                def by_effect(factors: Array, depth: float = depth, tints: Array = tints) -> Array:
+                    return np.exp(-depth * (1 - (tints if factors.shape == tints.shape else factors)))
 
-            reached, limit = errors(model, chosen, [library.illuminant("D65")], by_effect)
-            rows.append([name, f"{p}, effective", _cells(reached), _cells(limit)])
+                reached, limit = errors(model, chosen, [library.illuminant("D65")], by_effect)
+                rows.append([name, f"{p}, right at {at:g}", _cells(reached), _cells(limit)])
     deep = {row[1]: row[2].split(" / ")[2] for row in rows if row[0] == name}
     return reports.Section(
         "Absorbing volumes",
         in_words(
             "Media that absorb 1 less a measured colour, as a volume of that colour does in Blender, of an optical "
             "depth where they absorb all; seen in front of a white under D65.",
-            f"p99 at depth {DEPTHS[-1]}: {deep['9']} at p = 9, {deep['24']} at 24. Absorption that has the right mean "
-            f"behind a depth of {EFFECTIVE:g}, in place of the mean absorption, would leave {deep['9, effective']} and "
-            f"{deep['24, effective']} (rows `effective`); scenes have the mean.",
+            f"p99 at depth {DEPTHS[-1]}: {deep['9']} at p = 9, {deep['24']} at 24 with the mean absorption of each "
+            f"channel; {deep[f'9, right at {DEPTH:g}']} and {deep[f'24, right at {DEPTH:g}']} with the one that is "
+            f"right behind a depth of {DEPTH:g}, which Relume gives the colours of absorption that it assigns.",
             "Behind a channel light is the mean of exponentials, and a renderer has the exponential of a mean.",
         ),
         _HEAD,

@@ -23,12 +23,13 @@ class Source:
 
     colour: a Spectrum, an RGB colour as a tuple, or None for colours that are not known, as those of a texture. again:
     the part of the light that it reflects more than once. density: of what absorbs 1 less its colour, per metre; or 0.
-    shines: whether it is light that is sent out.
+    right_at: the optical depth at which its channels are right, 0 where they are means. shines: whether it is sent out.
     """
 
     colour: Spectrum | tuple | None
     again: float = 0.0
     density: float = 0.0
+    right_at: float = 0.0
     shines: bool = False
 
 
@@ -80,7 +81,11 @@ def _finished(wiring: Wiring, socket, colour) -> Source:
             return replace(source, again=finish.VOLUME)
         case "ShaderNodeVolumeAbsorption":
             is_known = wiring.link(node.inputs["Density"]) is None
-            return replace(source, density=max(number("Density"), 0.0) if is_known else _SOME_DENSITY)
+            density = max(number("Density"), 0.0) if is_known else _SOME_DENSITY
+            link = wiring.link(socket)
+            is_spectrum = link is not None and nodes.role(link.from_node) == "spectrum"
+            right_at = spectra.depth_of(link.from_node.node_tree) if is_spectrum else 0.0
+            return replace(source, density=density, right_at=right_at)
     return source
 
 

@@ -1,7 +1,8 @@
 """Measured spectra in a Blender file: node groups that artists share, append and link like any other.
 
 A spectrum group keeps its samples in the custom property `SPECTRA`, {output socket: Spectrum as a dictionary}: `Color`
-for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal.
+for a reflectance; `IOR` and `Extinction` for the complex index of refraction of a metal. One for what absorbs has a
+`DEPTH` as well, at which its channels are right.
 """
 
 import hashlib
@@ -13,17 +14,20 @@ import bpy
 import numpy as np
 
 from ...core.colour import spaces
-from ...core.model import fresnel
+from ...core.model import absorption, fresnel
 from ...core.model.factor_model import FactorModel
 from ...core.spectra.spectrum import Spectrum
 from . import insertion, node_groups, nodes, sockets
 
 __all__ = [
+    "DEPTH",
     "FILLED",
     "SPECTRA",
     "assign",
+    "depth_of",
     "existing",
     "filled_for",
+    "for_socket",
     "mend_all",
     "new_conductor",
     "new_reflectance",
@@ -38,12 +42,25 @@ __all__ = [
 
 SPECTRA = "relume_spectra"
 FILLED = "relume_filled"  # on a group with spectra: a checksum of them and of the model that it is filled for
+DEPTH = "relume_depth"  # on a group for the colour of what absorbs: the optical depth at which it is right
+_DEEPEST = 100.0
+_ABSORBING = "ShaderNodeVolumeAbsorption"
 _PLAIN = "relume_plain"  # on a spectrum group while it gets other nodes: its plain values
 
 
-def new_reflectance(spectrum: Spectrum, name: str = ""):
-    """A node group with one output, Color, that is the reflectance `spectrum`."""
-    return _new(name or spectrum.name, {"Color": ("Color", spectrum)})
+def new_reflectance(spectrum: Spectrum, name: str = "", depth: float = 0.0):
+    """A node group with one output, Color, that is the reflectance `spectrum`.
+
+    depth: for the colour of what absorbs, the optical depth at which it is right; a surface has none.
+    """
+    return _new(name or spectrum.name, {"Color": ("Color", spectrum)}, depth)
+
+
+def for_socket(socket, spectrum: Spectrum):
+    """The spectrum group of a reflectance for a shader socket: that of this file, or a new one."""
+    depth = absorption.DEPTH if socket.node.bl_idname == _ABSORBING else 0.0
+    name = f"{spectrum.name}, absorbing" if depth else ""
+    return existing({"Color": spectrum}, depth) or new_reflectance(spectrum, name, depth)
 
 
 def new_conductor(name: str, n: Spectrum, k: Spectrum):
@@ -51,13 +68,20 @@ def new_conductor(name: str, n: Spectrum, k: Spectrum):
     return _new(name, {"IOR": ("Vector", n), "Extinction": ("Vector", k)})
 
 
-def existing(spectra: dict[str, Spectrum]):
+def existing(spectra: dict[str, Spectrum], depth: float = 0.0):
     """The spectrum group of this file that holds just those spectra, by output socket; None if there is none."""
     for tree in _local():
         own = spectra_of(tree)
-        if own.keys() == spectra.keys() and all(_alike(own[socket], spectra[socket]) for socket in own):
+        is_same = own.keys() == spectra.keys() and depth_of(tree) == depth
+        if is_same and all(_alike(own[socket], spectra[socket]) for socket in own):
             return tree
     return None
+
+
+def depth_of(tree) -> float:
+    """The optical depth at which the colour of a medium is right, as whoever wrote there said; 0 for a surface."""
+    depth = tree.get(DEPTH, 0.0)
+    return float(depth) if isinstance(depth, (int, float)) and 0 < depth <= _DEEPEST else 0.0
 
 
 def _alike(a: Spectrum, b: Spectrum) -> bool:
@@ -66,11 +90,13 @@ def _alike(a: Spectrum, b: Spectrum) -> bool:
     )
 
 
-def _new(name: str, outputs: dict[str, tuple[str, Spectrum]]):
+def _new(name: str, outputs: dict[str, tuple[str, Spectrum]], depth: float = 0.0):
     tree = nodes.new_tree(name, "ShaderNodeTree", "spectrum")
     for socket, (kind, _) in outputs.items():
         nodes.add_socket(tree, socket, kind, output=True)
     tree[SPECTRA] = {socket: spectrum.to_dict() for socket, (_, spectrum) in outputs.items()}
+    if depth:
+        tree[DEPTH] = depth
     _fill_as_it_is(tree)
     return tree
 
@@ -172,8 +198,10 @@ def _plain(tree) -> dict[str, tuple]:
 
 def _fill(tree, model: FactorModel) -> None:
     spectra = spectra_of(tree)
+    depth = depth_of(tree)
     if "Color" in spectra:
-        coefficients = {"Color": model.coefficients(spectra["Color"])}
+        colour = spectra["Color"]
+        coefficients = {"Color": absorption.tint(model, colour, depth) if depth else model.coefficients(colour)}
     else:
         n, k = fresnel.conductor_channels(model, spectra["IOR"], spectra["Extinction"])
         coefficients = {"IOR": n, "Extinction": k}
@@ -264,7 +292,7 @@ def update_all(model: FactorModel) -> None:
 
 def filled_for(tree, model: FactorModel) -> str:
     """What a group with spectra notes as `FILLED` once it is filled for a model."""
-    held = json.dumps([tree[SPECTRA].to_dict(), model.to_dict()])
+    held = json.dumps([tree[SPECTRA].to_dict(), model.to_dict(), *([depth] if (depth := depth_of(tree)) else [])])
     return hashlib.sha256(held.encode()).hexdigest()[:16]
 
 

@@ -48,7 +48,8 @@ def looking(scene) -> Generator[None, None, plan.Content]:
         for source in sources:
             colour = source.colour
             key = colour.name if isinstance(colour, Spectrum) else colour
-            shown.setdefault((key, source.density > 0), _Shown(colour)).add(source, part / len(sources), way)
+            kind = key, source.density > 0, source.right_at
+            shown.setdefault(kind, _Shown(colour)).add(source, part / len(sources), way)
     textures = [each for each in shown.values() if each.colour is None]
     greys = [each for each in shown.values() if is_grey(each.colour)]
     known = sum(each.share for each in shown.values()) - sum(each.share for each in greys)
@@ -67,6 +68,7 @@ def looking(scene) -> Generator[None, None, plan.Content]:
         textures=unknown,
         again=[*(each.again for each in surfaces), sum(e.again * e.share for e in textures) / (unknown or 1.0)],
         depths=[each.depth for each in surfaces],
+        right_at=[each.right_at for each in surfaces],
         filtered=filtered,
         lights=_illuminants(scene, shining),
         choices=_choices(scene.relume.switching),
@@ -82,7 +84,7 @@ def checksum(content: plan.Content) -> str:
     said = [spectrum.name.encode() + spectrum.values.tobytes() for spectrum in spectra]
     said += [content.colours.tobytes(), content.shares.tobytes()]
     said += [repr((content.textures, content.bounces, content.space, content.disperses)).encode()]
-    said += [each.tobytes() for each in (content.parts_again, content.optical_depths) if each.any()]
+    said += [each.tobytes() for each in (content.parts_again, content.optical_depths, content.rights) if each.any()]
     return hashlib.sha256(b"|".join(said)).hexdigest()[:16]
 
 
@@ -94,12 +96,14 @@ class _Shown:
     share: float = 0.0
     again: float = 0.0
     depth: float = 0.0
+    right_at: float = 0.0
 
     def add(self, source: Source, share: float, way: float) -> None:
         self.share += share
         part = share / self.share if self.share else 1.0
         self.again += part * (source.again - self.again)
         self.depth += part * (source.density * way - self.depth)
+        self.right_at = source.right_at
 
     def shrink(self, scale: float) -> None:
         self.share *= scale

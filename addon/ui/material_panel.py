@@ -66,7 +66,7 @@ def assign_from_library(material, node, identifier: str, takes: str, name: str) 
 
 
 def _assign_reflectance(material, socket, spectrum: Spectrum) -> None:
-    spectra.assign(material, socket, spectra.existing({"Color": spectrum}) or spectra.new_reflectance(spectrum))
+    spectra.assign(material, socket, spectra.for_socket(socket, spectrum))
 
 
 def _assign_metal(material, node, n: Spectrum, k: Spectrum) -> None:

@@ -24,7 +24,8 @@ class Content:
     reflectances: the measured spectra. colours: (m, 3) RGB colours of `space`. shares: part of the picture of each
     reflectance, then of each colour; need not sum to 1. textures: part of the picture whose colours are not known.
     again: part of the light that each of them, textures last, reflects more than once, as `finish` has it. depths:
-    optical depth of each that is a medium which absorbs, where it is black; 0 for what reflects. Both none by default.
+    optical depth of each that is a medium which absorbs, where it is black; 0 for what reflects. right_at: the depth at
+    which channels of a medium are right, as `absorption` makes them; 0 where they are means. All none by default.
     filtered: what shines through a spectrum in the light group of others: its name, that group, the spectrum.
     lights: what shines in each light group. choices: illuminants that the artist wants to switch to later. bounces: how
     often light is reflected between surfaces at most. disperses: whether a glass makes a spectrum.
@@ -41,6 +42,7 @@ class Content:
     disperses: bool = False
     again: ArrayLike | None = None
     depths: ArrayLike | None = None
+    right_at: ArrayLike | None = None
     filtered: Sequence[tuple[str, str, Spectrum]] = ()
 
     def __post_init__(self) -> None:
@@ -52,15 +54,17 @@ class Content:
         again = np.zeros(count + 1) if self.again is None else np.asarray(self.again, dtype=np.float64)
         if again.shape != (count + 1,) or not ((again >= 0) & (again < 1)).all():
             raise UsageError(f"{count} surfaces and their textures reflect a part of 0 to 1 again, got {again.shape}")
-        depths = np.zeros(count) if self.depths is None else np.asarray(self.depths, dtype=np.float64)
-        if depths.shape != (count,) or not (depths >= 0).all():
-            raise UsageError(f"a scene of {count} surfaces needs as many depths of 0 or more, got {depths.shape}")
+        for field in ("depths", "right_at"):
+            given = getattr(self, field)
+            values = np.zeros(count) if given is None else np.asarray(given, dtype=np.float64)
+            if values.shape != (count,) or not (values >= 0).all():
+                raise UsageError(f"a scene of {count} surfaces needs as many depths of 0 or more, got {values.shape}")
+            object.__setattr__(self, field, values)
         if not self.lights:
             raise UsageError("a scene needs at least one light")
         object.__setattr__(self, "colours", colours)
         object.__setattr__(self, "shares", shares)
         object.__setattr__(self, "again", again)
-        object.__setattr__(self, "depths", depths)
 
     @property
     def rgb(self) -> Array:
@@ -81,6 +85,11 @@ class Content:
     def optical_depths(self) -> Array:
         """(surfaces,) the depths, as an array."""
         return np.asarray(self.depths)
+
+    @property
+    def rights(self) -> Array:
+        """(surfaces,) the depths at which channels are right, as an array."""
+        return np.asarray(self.right_at)
 
     @property
     def switches(self) -> bool:
@@ -110,6 +119,7 @@ def kept(content: Content) -> Content:
         shares=content.parts[chosen],
         again=content.parts_again[[*chosen, -1]],
         depths=content.optical_depths[chosen],
+        right_at=content.rights[chosen],
         choices=(),
     )
 

@@ -178,6 +178,7 @@ def _lit(content: Content) -> Content:
         shares=content.parts[kept],
         again=content.parts_again[[*kept, -1]],
         depths=content.optical_depths[kept],
+        right_at=content.rights[kept],
     )
 
 

@@ -72,6 +72,7 @@ class Shows(Struct):
     textures: Gain = 0.0
     again: Annotated[list[Degree], Meta(max_length=1001)] | None = None
     depths: Annotated[list[Gain], Meta(max_length=1000)] | None = None
+    right_at: Annotated[list[Gain], Meta(max_length=1000)] | None = None
 
 
 class _Version(Struct):
@@ -118,7 +119,7 @@ def to_dict(image: CoefficientImage, groups: Iterable[str] | None = None) -> dic
 
 def _shown(content: Content) -> dict[str, Any]:
     content = kept(content)
-    rough, deep = (np.round(each, 6).tolist() for each in (content.parts_again, content.optical_depths))
+    finishes = {"again": content.parts_again, "depths": content.optical_depths, "right_at": content.rights}
     return {
         "bounces": content.bounces,
         "space": content.space,
@@ -126,8 +127,7 @@ def _shown(content: Content) -> dict[str, Any]:
         "reflectances": [spectrum.to_dict() for spectrum in content.reflectances],
         "colours": np.round(content.rgb, 6).tolist(),
         "textures": round(content.textures, 6),
-        **({"again": rough} if any(rough) else {}),
-        **({"depths": deep} if any(deep) else {}),
+        **{name: np.round(values, 6).tolist() for name, values in finishes.items() if values.any()},
     }
 
 
@@ -243,6 +243,7 @@ def _content(text: Shows | None, lights: list[Spectrum]) -> Content | None:
             space=text.space,
             again=text.again,
             depths=text.depths,
+            right_at=text.right_at,
         )
     except RelumeError as error:
         raise CoefficientImageError(f"shows: {error}") from None

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..colour import differences
 from ..colour.spaces import srgb_decoded
-from ..model import integration
+from ..model import absorption, integration
 from ..model.factor_model import FactorModel
 from ..model.relight import scaled
 from ..model.upsample import rgb_matrix, rgb_spectra
@@ -75,6 +75,8 @@ class Pixels:
         measured = np.empty((0, model.channels))
         if content.reflectances:
             measured = model.coefficients(list(content.reflectances))
+            for number in np.flatnonzero(content.rights[: len(measured)]):
+                measured[number] = absorption.tint(model, content.reflectances[int(number)], content.rights[number])
         return self._gathered(measured, rgb_matrix(model, content.space))
 
     def true_xyz(self, light: Spectrum, observer: Observer = OBSERVER) -> Array:

@@ -1,11 +1,14 @@
 """Measured spectra put where they matter, from the library and from files, before and after set-up."""
 
 import bpy
+import numpy as np
 import pytest
+from test_palette import striped
 
 from relume.addon.graph import nodes, places, spectra
-from relume.addon.scene import setup
-from relume.core.model import bases
+from relume.addon.scene import content, render, setup
+from relume.core.colour import differences
+from relume.core.model import absorption, bases
 from relume.core.spectra import library
 
 
@@ -132,3 +135,66 @@ def test_spectra_from_files(startup, cube, tmp_path):
     with pytest.raises(RuntimeError, match="n and k"):
         cube.node_tree.nodes.new("ShaderNodeBsdfMetallic")
         bpy.ops.relume.assign_spectrum_file(filepath=str(path), node="Metallic BSDF", takes="metal")
+
+
+def test_a_medium_has_its_colour_at_depth(tmp_path):
+    """A slab of optical depth 4 before white: full spectra by brute force, the colour that is assigned, the mean."""
+    assert spectra.depth_of({}) == spectra.depth_of({spectra.DEPTH: "x"}) == spectra.depth_of({spectra.DEPTH: -1}) == 0
+    lamp, paint = library.illuminant("D65"), library.reflectance("ColorChecker: orange")
+    weights = lamp.sampled()[:, None] * library.observer() / (lamp.sampled() @ library.observer()[:, 1])
+    truth = np.exp(-4.0 * (1 - paint.sampled())) @ weights
+    errors = []
+    for of_surfaces in (False, True):
+        scene, materials = striped(1)
+        tree = materials[0].node_tree
+        glow = tree.nodes.new("ShaderNodeEmission")
+        glow.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
+        tree.links.new(glow.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.5, 0.5, 1.0))
+        slab = bpy.context.object
+        slab.scale = (8, 8, 1)
+        material = bpy.data.materials.new("ink")
+        tree = material.node_tree
+        tree.nodes.clear()
+        medium, output = tree.nodes.new("ShaderNodeVolumeAbsorption"), tree.nodes.new("ShaderNodeOutputMaterial")
+        medium.inputs["Density"].default_value = 4.0
+        tree.links.new(medium.outputs[0], output.inputs["Volume"])
+        slab.data.materials.append(material)
+        scene.camera.location.z = 3.0
+        bpy.data.lights["sun"].energy = 0.0
+        if of_surfaces:
+            spectra.assign(material, medium.inputs["Color"], spectra.new_reflectance(paint))
+        else:
+            bpy.context.view_layer.objects.active = slab
+            assign((medium.name, "Color", "reflectance"), paint.name)
+        setup.set_up(scene, bases.fitted(9))
+        told = content.content_of(scene)
+        assert (told.optical_depths > 0).sum() == 1
+        assert told.rights.max() == (0.0 if of_surfaces else absorption.DEPTH)
+        image = render.render(scene, tmp_path).image
+        shown = sum(image.groups.values())[2:6, 2:6].mean(axis=(0, 1))
+        seen = image.model.relight(lamp) @ shown
+        errors.append(float(differences.delta_E_2000(truth, seen, weights.sum(axis=0))))
+    assert errors[0] < 0.15
+    assert errors[0] < 0.7 * errors[1]
+
+
+def test_the_colour_of_a_medium_is_kept_apart_from_that_of_a_surface(startup):
+    """One file with both: each socket gets its own, and another model or spectrum leaves it so."""
+    paint, other = (library.reflectance(f"ColorChecker: {name}") for name in ("red", "green"))
+    tree = bpy.data.materials.new("ink").node_tree
+    medium, surface = (tree.nodes.new(kind) for kind in ("ShaderNodeVolumeAbsorption", "ShaderNodeBsdfDiffuse"))
+    deep, plain = (spectra.for_socket(node.inputs["Color"], paint) for node in (medium, surface))
+    assert deep != plain and deep.name != plain.name
+    assert deep == spectra.for_socket(medium.inputs["Color"], paint)
+    assert plain == spectra.for_socket(surface.inputs["Color"], paint)
+    for spectrum in (paint, other):
+        spectra.replace(deep, spectrum)
+        for channels in (6, 9):
+            model = bases.fitted(channels)
+            spectra.update_all(model)
+            values = sorted(node.inputs[1].default_value[0] for node in deep.nodes if node.type == "VECT_MATH")
+            wanted = absorption.tint(model, spectrum)
+            assert all(min(abs(value - each) for value in values) < 1e-5 for each in wanted)
+    spectra.restore_all()
+    assert spectra.depth_of(deep) == absorption.DEPTH
