@@ -56,10 +56,17 @@ def new_reflectance(spectrum: Spectrum, name: str = "", depth: float = 0.0):
     return _new(name or spectrum.name, {"Color": ("Color", spectrum)}, depth)
 
 
-def for_socket(socket, spectrum: Spectrum):
-    """The spectrum group of a reflectance for a shader socket: that of this file, or a new one."""
-    depth = absorption.DEPTH if socket.node.bl_idname == _ABSORBING else 0.0
-    name = f"{spectrum.name}, absorbing" if depth else ""
+def for_socket(socket, spectrum: Spectrum, way: float | None = None):
+    """The spectrum group of a reflectance for a shader socket: that of this file, or a new one.
+
+    way: through what is to have it, in metres; None where nobody knows.
+    """
+    depth = 0.0
+    if socket.node.bl_idname == _ABSORBING:
+        density = socket.node.inputs["Density"]
+        is_known = way is not None and not density.is_linked
+        depth = absorption.depth_for(density.default_value * way) if is_known else absorption.DEPTH
+    name = f"{spectrum.name}, {depth:g} deep" if depth else ""
     return existing({"Color": spectrum}, depth) or new_reflectance(spectrum, name, depth)
 
 

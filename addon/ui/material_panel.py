@@ -4,11 +4,13 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import bpy
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator, Panel
 from bpy.utils import register_classes_factory
 from bpy_extras.io_utils import ImportHelper
 
+from ...core.picture import finish
 from ...core.spectra import files, library
 from ...core.spectra.spectrum import Spectrum, SpectrumError
 from ..graph import glass, places, spectra
@@ -66,7 +68,10 @@ def assign_from_library(material, node, identifier: str, takes: str, name: str) 
 
 
 def _assign_reflectance(material, socket, spectrum: Spectrum) -> None:
-    spectra.assign(material, socket, spectra.for_socket(socket, spectrum))
+    thing = bpy.context.object
+    shows = thing is not None and material.name in thing.material_slots
+    way = finish.way_through(thing.dimensions) if shows else None
+    spectra.assign(material, socket, spectra.for_socket(socket, spectrum, way))
 
 
 def _assign_metal(material, node, n: Spectrum, k: Spectrum) -> None:

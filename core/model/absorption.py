@@ -10,9 +10,10 @@ from ..spectra.arrays import Array
 from ..spectra.spectrum import Spectrum
 from .factor_model import FactorModel
 
-__all__ = ["DEPTH", "tint"]
+__all__ = ["DEPTH", "depth_for", "tint"]
 
 DEPTH = 3.0  # optical depth where a medium is black at which its colour is right unless said otherwise
+_STEPS = (1.0, 2.0, DEPTH, 5.0)  # beyond the last, what is thin in a picture loses more than what is thick gains
 
 
 def tint(model: FactorModel, colour: Spectrum, depth: float = DEPTH) -> Array:
@@ -24,3 +25,14 @@ def tint(model: FactorModel, colour: Spectrum, depth: float = DEPTH) -> Array:
     """
     through = np.exp(-depth * (1 - colour.sampled(model.wavelengths)))
     return 1 + np.log(np.maximum(through @ model.filters, 1e-30)) / depth
+
+
+def depth_for(mean: float) -> float:
+    """The depth at which the colour of a medium should be right that is `mean` deep on an average way through it.
+
+    Half of it, in a few steps: what is deeper is darker, and no picture has one depth alone.
+
+    >>> depth_for(0.1), depth_for(4.0), depth_for(50.0)
+    (1.0, 2.0, 5.0)
+    """
+    return min(_STEPS, key=lambda step: abs(step - mean / 2))
