@@ -10,12 +10,12 @@ import numpy as np
 
 from ..core.colour import differences
 from ..core.model import bases, relight
-from ..core.model.absorption import DEPTH, tint
+from ..core.model.absorption import depth_for, tint
 from ..core.model.factor_model import FactorModel
 from ..core.model.integration import FINE, fine_weights
 from ..core.spectra import library
 from ..core.spectra.arrays import Array
-from ..core.spectra.spectrum import Spectrum
+from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 from . import judges, reports
 from .hazards import in_words
 
@@ -24,7 +24,6 @@ __all__ = ["absorption", "errors", "many_bounces", "narrow"]
 CHANNELS = (6, 9, 12, 18, 24)
 PERCENTILES = (50, 90, 99)
 DEPTHS = (1, 3, 10)  # optical depth where a medium absorbs most
-RIGHT_AT = (1.0, DEPTH, 10.0)  # optical depths at which the absorption of a channel is right, in place of its mean
 ALBEDO = 0.98
 BOUNCES = 20
 
@@ -128,6 +127,13 @@ def narrow() -> reports.Section:
     )
 
 
+def _widest(channels: int) -> float:
+    """The largest standard deviation of a filter's wavelengths, in nm."""
+    filters = bases.fitted(channels).filters
+    middle = WAVELENGTHS @ filters
+    return float(np.sqrt((WAVELENGTHS**2) @ filters - middle**2).max())
+
+
 def many_bounces() -> reports.Section:
     """Albedo 0.98, the sum of 20 bounces."""
     chosen = judges.measured()[:200]
@@ -145,7 +151,9 @@ def many_bounces() -> reports.Section:
         in_words(
             f"Reflectances stretched to a peak of {ALBEDO:g}; the sum of {BOUNCES} bounces, exposed to half of white.",
             f"p99 {rows[1][2].split(' / ')[2]} at p = 9, {rows[4][2].split(' / ')[2]} at 24.",
-            "A channel has one value where a surface has many: the mean of powers is no power of a mean.",
+            "A channel has one value where a surface has many: the mean of powers is no power of a mean. Filters of 24 "
+            f"channels have second lobes: the widest spreads {_widest(24):.0f} nm, of 18 channels {_widest(18):.0f}. "
+            "They gain under narrow lights, and lose in high powers and at depth, what one peak each would not.",
         ),
         _HEAD,
         rows,
@@ -163,16 +171,16 @@ def absorption() -> reports.Section:
 
         name = f"{len(chosen)} media of optical depth {depth}, D65"
         rows += _rows(name, chosen, [library.illuminant("D65")], through)
+        at = depth_for(depth)
         for p in CHANNELS:
             model = bases.fitted(p)
-            for at in RIGHT_AT:
-                tints = np.stack([tint(model, colour, at) for colour in chosen])
+            tints = np.stack([tint(model, colour, at) for colour in chosen])
 
-                def by_effect(factors: Array, depth: float = depth, tints: Array = tints) -> Array:
-                    return np.exp(-depth * (1 - (tints if factors.shape == tints.shape else factors)))
+            def by_depth(factors: Array, depth: float = depth, tints: Array = tints) -> Array:
+                return np.exp(-depth * (1 - (tints if factors.shape == tints.shape else factors)))
 
-                reached, limit = errors(model, chosen, [library.illuminant("D65")], by_effect)
-                rows.append([name, f"{p}, right at {at:g}", _cells(reached), _cells(limit)])
+            reached, limit = errors(model, chosen, [library.illuminant("D65")], by_depth)
+            rows.append([name, f"{p}, right at {at:g}", _cells(reached), _cells(limit)])
     deep = {row[1]: row[2].split(" / ")[2] for row in rows if row[0] == name}
     return reports.Section(
         "Absorbing volumes",
@@ -180,8 +188,8 @@ def absorption() -> reports.Section:
             "Media that absorb 1 less a measured colour, as a volume of that colour does in Blender, of an optical "
             "depth where they absorb all; seen in front of a white under D65.",
             f"p99 at depth {DEPTHS[-1]}: {deep['9']} at p = 9, {deep['24']} at 24 with the mean absorption of each "
-            f"channel; {deep[f'9, right at {DEPTH:g}']} and {deep[f'24, right at {DEPTH:g}']} with the one that is "
-            f"right behind a depth of {DEPTH:g}, which Relume gives the colours of absorption that it assigns.",
+            f"channel; {deep[f'9, right at {at:g}']} and {deep[f'24, right at {at:g}']} with the one that is right "
+            f"behind a depth of {at:g}, as Relume assigns a colour of absorption to a thing {DEPTHS[-1]} deep.",
             "Behind a channel light is the mean of exponentials, and a renderer has the exponential of a mean.",
         ),
         _HEAD,
