@@ -134,7 +134,7 @@ def test_what_shines_through_a_line_in_the_group_of_others_is_told_to_leave_it()
     nm = np.arange(380, 781, 1.0)
     narrow = Spectrum(nm, np.exp(-(((nm - 532) / 3) ** 2)), "narrow filter")
     content = Content(PATCHES, lights=[library.illuminant("D65")], bounces=0, filtered=[("Laser", "room", narrow)])
-    shown = replace(content, reflectances=[*PATCHES, narrow], shares=None, again=None, depths=None)
+    shown = replace(content, reflectances=[*PATCHES, narrow], shares=None, again=None, depths=None, right_at=None)
     mix = Mix({"room": light("D65")})
     said = advice(bases.fitted(6), shown, mix)
     assert "give Laser a light group of its own" in said
@@ -144,7 +144,8 @@ def test_what_shines_through_a_line_in_the_group_of_others_is_told_to_leave_it()
 
 
 def test_a_file_says_what_it_shows(chart):
-    more = {"again": [*[0.1] * 25, 0.2], "depths": [*[0.0] * 24, 3.0]}
+    deep = [*[0.0] * 24, 3.0]
+    more = {"again": [*[0.1] * 25, 0.2], "depths": deep, "right_at": deep}
     shown = replace(chart, colours=[[0.1, 0.2, 0.3]], shares=[*[0.5] * 24, 2.0], textures=0.25, **more)
     image = CoefficientImage(
         bases.fitted(9), {}, {"key": library.illuminant("FL11")}, np.empty((0, 0), np.float32), shows=shown
