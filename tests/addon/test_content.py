@@ -391,3 +391,20 @@ def test_roughness_and_depth_are_told(startup, cube):
     bpy.context.view_layer.update()
     assert max(content.content_of(startup).optical_depths) == pytest.approx(2 * depths[0])
     assert content.checksum(content.content_of(startup)) != content.checksum(told)
+
+
+def test_light_through_a_spectrum_in_the_group_of_others_is_told(startup, cube):
+    """A glowing cube whose emission is a filter: alone in its light group it needs no advice."""
+    tree = cube.node_tree
+    glow = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(glow.outputs[0], surface(tree))
+    spectra.assign(cube, glow.inputs["Color"], spectra.new_reflectance(judges.films()[0]))
+    things = [bpy.data.objects["Cube"], next(thing for thing in startup.objects if thing.type == "LIGHT")]
+    for thing in things:
+        thing.lightgroup = "room"
+    startup.view_layers[0].lightgroups.add(name="room")
+    told = content.content_of(startup).filtered
+    assert [(name, group, spectrum.name) for name, group, spectrum in told] == [("Cube", "room", "film 1")]
+    startup.view_layers[0].lightgroups.add(name="cube")
+    things[0].lightgroup = "cube"
+    assert list(content.content_of(startup).filtered) == []
