@@ -29,7 +29,7 @@ SPECTRUM = 9  # channels that a spectrum behind a prism needs
 SCENE = 12  # channels of a model whose filters are made for a scene, where general ones of as many do not do
 WORTH = 3.5  # times the tolerance: general filters beyond which the scene's own do not do either
 BOUNCES = (1.0, 0.5, 0.25)  # how much products of 1, 2 and 3 of its surfaces count for them
-SURE = 0.9  # times the tolerance
+SURE = 0.9  # times the tolerance: renders of what is nearly too coarse are as often beyond it
 MOST_SURFACES, MOST_LIGHTS = 60, 8
 
 
@@ -99,7 +99,7 @@ class LeftOut:
 
 
 def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
-    """The model with the fewest passes that stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
+    """The model with the fewest passes that surely stays within `tolerance` (CIEDE2000 at the 98th percentile) -> Plan.
 
     Of models with as many passes the most exact is taken, and where none stays within it the most exact of all, but
     for one of 81 channels, which nobody wants without asking for it. A glass that makes a spectrum leaves only models
@@ -115,12 +115,12 @@ def choose(content: Content, tolerance: float = 1.0, least: int = 1) -> Plan:
             continue
         weighed = [Candidate(model, *predict(model, content)) for model in alternatives]
         best = min(weighed, key=lambda candidate: candidate.error)
-        if best.error <= tolerance:
+        if best.error <= SURE * tolerance:
             return Plan(best, tuple(rejected), tolerance, content.disperses)
         rejected += weighed
         if best.model.channels == SCENE and best.error <= WORTH * tolerance and least <= SCENE:
             own = _made_for(content)
-            # The last digits of its filters are those of the machine: what is nearly too coarse is so everywhere
+            # The last digits of its filters are those of the machine
             if own is not None and own.error <= SURE * tolerance:
                 return Plan(own, tuple(rejected), tolerance, content.disperses)
     best = min(rejected, key=lambda candidate: candidate.error)
