@@ -23,6 +23,7 @@ from ..scene.exr import current_file
 from ..store import mixer, properties
 from . import icons
 from .translation import said
+from .wrapping import words
 
 __all__ = ["CLASSES", "draw_dot", "draw_mix", "register", "unregister", "work_out"]
 
@@ -170,7 +171,7 @@ def draw_mix(layout, settings) -> None:
     if figures and found.level == expectation.LEVELS[-1]:
         better = _better(settings)
         if better:
-            layout.label(text=better, icon="LIGHT")
+            words(layout, better, icon="LIGHT")
 
 
 def _better(settings) -> str:
