@@ -128,7 +128,7 @@ def _models(scene, options: argparse.Namespace, chosen: FactorModel) -> dict:
         made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
     for channels in options.channels:
         if "fitted" in options.models:
-            made[f"{channels} channels"] = bases.fitted(channels)
+            made[f"{channels} channel{'s' if channels > 1 else ''}"] = bases.fitted(channels)
         if "block" in options.models:
             made[f"block, {channels}"] = bases.block(channels)
         if "sharpened" in options.models:

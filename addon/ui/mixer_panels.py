@@ -100,12 +100,14 @@ def _draw_level(line, row, unit: str = "EV", dot: bool = False) -> None:
     gain = line.row(align=True)
     gain.ui_units_x = 7.2
     gain.prop(row, "stops", text="")
-    if dot:
-        gain.prop_decorator(row, "stops")
     if unit:
         label = line.row(align=True)
         label.ui_units_x = 1.3
         label.label(text=unit)
+    if dot:
+        key = line.row(align=True)
+        key.ui_units_x = 1.0
+        key.prop_decorator(row, "stops")
     _draw_switches(line, row)
 
 

@@ -212,6 +212,11 @@ def test_white_balance_to_a_group_to_a_pixel_and_in_part(ready):
     assert "no light group 'moon'" in settings.problem
 
 
+def test_the_white_of_a_group_starts_with_the_first_one(ready):
+    ready.relume.white_balance, ready.relume.white_source = 1.0, "GROUP"
+    assert ready.relume.white_group == "tungsten" and ready.relume.problem == ""
+
+
 @pytest.mark.parametrize("observer", ["CIE 1964 10°", "Nikon 5100 (NPL)"])
 def test_white_in_daylight_is_white_to_every_observer(ready, observer):
     for row in ready.relume.light_groups:

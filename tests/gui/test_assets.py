@@ -98,10 +98,12 @@ def steps():
     group = spectrum_in(paint)
     assert [node for node in group.nodes if node.type == "RGB"], "it shows its colour"
     assert "relume_filled" not in group, "and nothing else yet"
-    right.spaces.active.shading.type = "MATERIAL"
-    for _ in range(4):
+    scene.render.engine = "CYCLES"
+    right.spaces.active.shading.type = "RENDERED"
+    for _ in range(12):
         yield
     yield "not_set_up.png"
+    right.spaces.active.shading.type = "SOLID"
     other = bpy.data.objects.new("other", cube.data.copy())
     scene.collection.objects.link(other)
     other.data.materials.clear()
