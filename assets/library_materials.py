@@ -9,6 +9,7 @@ import numpy as np
 from ..addon.graph import glass, spectra
 from ..core import palette
 from ..core.colour import differences, spaces
+from ..core.model import fresnel
 from ..core.spectra import library
 from ..core.spectra.spectrum import Spectrum
 from . import library_ground
@@ -82,6 +83,8 @@ def _metals() -> list[Asset]:
         for socket in ("IOR", "Extinction"):
             spectra.assign(material, metal.inputs[socket], group, socket)
         tree.links.new(metal.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        _show(material, fresnel.normal_reflectance(n, k))
+        material.metallic = 1.0
         words = f"{name} by its measured complex index of refraction; Roughness is yours to choose."
         found.append(Asset(material, "Materials/Metals", words, n.source, terms.DATABASE, ("metal", name.lower())))
     return found
@@ -104,10 +107,16 @@ def _clear() -> list[Asset]:
     return found
 
 
+def _show(material, reflectance: Spectrum) -> None:
+    """Have the solid viewport show the colour too, which knows nothing of nodes."""
+    material.diffuse_color = (*np.clip(spaces.daylight_rgb(reflectance), 0.0, 1.0), 1.0)
+
+
 def _painted(name: str, spectrum: Spectrum, roughness: float, specular: float = 0.5):
     material, _, principled = _material(name)
     principled.inputs["Roughness"].default_value = roughness
     principled.inputs["Specular IOR Level"].default_value = specular
+    _show(material, spectrum)
     spectra.assign(material, principled.inputs["Base Color"], spectra.new_reflectance(spectrum))
     return material
 

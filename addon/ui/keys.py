@@ -16,6 +16,7 @@ def draw(layout, context) -> None:
     users = context.window_manager.keyconfigs.user
     for name in _EDITORS:
         keymap = users.keymaps.get(name)
+        layout.label(text=name, text_ctxt="WindowManager")
         for item in keymap.keymap_items if keymap else ():
             if item.idname in _KEYS:
                 rna_keymap_ui.draw_kmi([], users, keymap, item, layout, 0)

@@ -98,7 +98,8 @@ def _draw_dotted(layout, struct, name: str, **options) -> None:
 def _draw_level(line, row, unit: str = "EV", dot: bool = False) -> None:
     """The gain of a group with its unit, and with the dot that keys it, solo and mute."""
     gain = line.row(align=True)
-    gain.ui_units_x = 7.2
+    if not is_narrow():
+        gain.ui_units_x = 7.2
     gain.prop(row, "stops", text="")
     if unit:
         label = line.row(align=True)
@@ -186,7 +187,8 @@ def _draw_details(box, row, index: int, icon: int, is_alone: bool = False) -> No
     _draw_gel(box, row)
     if icon:
         box.template_icon(icon_value=icon, scale=5.0)
-    box.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    sign = "NONE" if is_narrow() else "ADD"
+    box.operator("relume.add_lights", text="Add Selected Lights", icon=sign).group = row.name
     line = box.row(align=True)
     line.alignment = "CENTER"
     for name, sign in _ROW_BUTTONS.items():
@@ -209,10 +211,10 @@ def _draw_blend(box, row, index: int) -> None:
         line = box.row(align=True)
         chosen = line.operator("relume.choose_illuminant", text=illuminant(part.illuminant), translate=False)
         chosen.group, chosen.part = index, number
-        _draw_dotted(line, part, "weight", text="", slider=True)
+        _draw_dotted(box if is_narrow() else line, part, "weight", text="", slider=True)
         removed = line.operator("relume.change_blend", text="", icon="REMOVE")
         removed.group, removed.part = index, number
-    line = box.row(align=True)
+    line = box.column(align=True) if is_narrow() else box.row(align=True)
     added = line.operator("relume.change_blend", text="Add Illuminant", icon="ADD")
     added.group, added.part = index, -1
     line.operator("relume.light_dial", text="Light Dial", icon="MESH_CIRCLE").group = index

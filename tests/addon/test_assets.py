@@ -66,6 +66,7 @@ def test_a_paint_shows_its_colour_in_a_scene_that_is_not_set_up(startup):
     tree = spectrum_in(bpy.data.materials[RED])
     colour = next(node for node in tree.nodes if node.type == "RGB").outputs[0].default_value[:3]
     assert colour == pytest.approx(spaces.daylight_rgb(library.reflectance("ColorChecker: red")), abs=1e-6)
+    assert bpy.data.materials[RED].diffuse_color[:3] == pytest.approx(colour, abs=1e-6), "the solid viewport too"
 
 
 def test_a_paint_is_spectral_in_a_scene_that_is_set_up(startup):

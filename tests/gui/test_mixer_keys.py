@@ -1,6 +1,6 @@
 """The mixer's keys, the menu of families, favourites, gels and the order of groups, in the real window."""
 
-from test_mixer import ROOM, STEPS
+from gestures import ROOM, STEPS
 
 
 def test_keys_families_a_favourite_a_gel_and_the_order_of_groups(window):

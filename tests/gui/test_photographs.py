@@ -133,9 +133,9 @@ def steps():
     side = region_of(area_of("VIEW_3D"))
     if NARROW:
         yield from drag(side.x + 1, side.y + 60, side.x + side.width - 190 * SCALE)
-    for number in range(4):
+    for number in range(PAGES):
         yield
-        yield f"{4 + number}_sidebar.png"
+        yield f"4_sidebar_{number}.png"
         yield from scroll(region_of(area_of("VIEW_3D")), int(10 / SCALE))
     bpy.ops.relume.palette_new(example="three_metamers")
     for _ in range(2):
@@ -160,7 +160,6 @@ def steps():
     ],
 )
 def test_all_panels(window, theme, scale, narrow):
-    pictures = window(
-        f"THEME, SCALE, NARROW = {theme!r}, {scale!r}, {narrow!r}\n" + STEPS, ROOM, "--enable-event-simulate"
-    )
-    assert len(pictures) == 9
+    pages = 4 if narrow or scale > 1.0 else 3  # that the sidebar is long
+    chosen = f"THEME, SCALE, NARROW, PAGES = {theme!r}, {scale!r}, {narrow!r}, {pages}\n"
+    assert len(window(chosen + STEPS, ROOM, "--enable-event-simulate")) == 5 + pages
