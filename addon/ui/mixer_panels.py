@@ -97,8 +97,11 @@ def _draw_dotted(layout, struct, name: str, **options) -> None:
 
 def _draw_level(line, row, unit: str = "EV", dot: bool = False) -> None:
     """The gain of a group with its unit, and with the dot that keys it, solo and mute."""
-    gain = line.row(align=True)
-    if not is_narrow():
+    if is_narrow():
+        line = line.split(factor=0.5, align=True)
+        gain, line = line.row(align=True), line.row(align=True)
+    else:
+        gain = line.row(align=True)
         gain.ui_units_x = 7.2
     gain.prop(row, "stops", text="")
     if unit:

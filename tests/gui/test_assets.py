@@ -104,22 +104,18 @@ def steps():
         yield
     yield "not_set_up.png"
     right.spaces.active.shading.type = "SOLID"
-    other = bpy.data.objects.new("other", cube.data.copy())
-    scene.collection.objects.link(other)
-    other.data.materials.clear()
-    other.location = (2.0, 2.0, 0.0)
     scene.relume.channels = "6"
     assert bpy.ops.relume.set_up() == {"FINISHED"}
     assert "relume_filled" in group
     browser.params.filter_search = "Foliage (ColorChecker)"
     for _ in range(6):
         yield
-    yield from drag(start, place_of(right, other))
+    yield from drag(start, place_of(right, cube))
     for _ in range(6):
         yield  # it follows once the artist pauses
     yield "set_up.png"
-    assert other.active_material.name == "Foliage (ColorChecker)"
-    assert "relume_filled" in spectrum_in(other.active_material), "it is spectral at once"
+    assert cube.active_material.name == "Foliage (ColorChecker)", [paint.name for paint in bpy.data.materials]
+    assert "relume_filled" in spectrum_in(cube.active_material), "it is spectral at once"
 """
 
 

@@ -69,7 +69,7 @@ def contrast(struct):
         if known.type == "POINTER" and value is not None and name != "rna_type":
             contrast(value)
         elif known.type == "FLOAT" and known.is_array and known.array_length in (3, 4):
-            white = "text" in name or "outline" in name or name in ("item", "icon_alpha")
+            white = "text" in name or "outline" in name or "title" in name
             chosen = "sel" in name or "active" in name
             color = (1.0, 1.0, 0.0) if chosen != ("text" in name and chosen) else (0.0, 0.0, 0.0)
             color = color if chosen else (1.0, 1.0, 1.0) if white else (0.0, 0.0, 0.0)
