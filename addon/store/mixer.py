@@ -183,6 +183,7 @@ class LightGroup(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and power. The spectrum is kept in the scene",
         subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         update=reading(lambda path: files.illuminant(path).to_dict(), "path", "measured"),
     )
     measured: StringProperty(name="Spectrum of the File", options={"HIDDEN"})

@@ -220,6 +220,7 @@ class SceneSettings(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and three sensitivities, in columns. They are kept in the scene",
         subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         update=reading(_observer, "observer_path", "observer_measured"),
     )
     observer_measured: StringProperty(options={"HIDDEN"})

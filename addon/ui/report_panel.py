@@ -47,7 +47,7 @@ pictures. What is rendered already is not rendered again"""
         description="Where the report is written",
         default="//report",
         subtype="DIR_PATH",
-        options={"OUTPUT_PATH"},  # it need not be there yet
+        options={"OUTPUT_PATH", "PATH_SUPPORTS_BLEND_RELATIVE"},  # else it is red while it is not there
     )
 
     @classmethod

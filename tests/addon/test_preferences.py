@@ -135,3 +135,12 @@ def test_presets_that_ship_can_be_applied(startup, titled):
 def _folder(path):
     path.mkdir(parents=True, exist_ok=True)
     return str(path)
+
+
+def test_no_field_of_a_path_is_red_for_being_relative(startup):
+    """Blender shows a path in red that begins with // where the property does not say that it may."""
+    row = startup.relume.light_groups.add()
+    for known in (row.bl_rna.properties["path"], startup.relume.bl_rna.properties["observer_path"]):
+        assert known.is_path_supports_blend_relative
+    folder = bpy.ops.relume.report.get_rna_type().properties["folder"]
+    assert folder.is_path_supports_blend_relative and folder.is_path_output, "it need not be there before"
