@@ -17,7 +17,7 @@ from . import library_materials, library_nodes, library_previews, library_things
 from . import library_terms as terms
 from .library_materials import Asset
 
-__all__ = ["CATALOGUES", "PATH", "build", "main"]
+__all__ = ["CATALOGUES", "PATH", "build", "main", "previews_in"]
 
 PATH = Path(__file__).with_name("library.blend")
 CATALOGUES = "blender_assets.cats.txt"
@@ -71,7 +71,7 @@ def _mark(asset: Asset, preview: np.ndarray | None) -> None:
         image.image_pixels_float.foreach_set(preview[::-1].astype(np.float32).ravel())
 
 
-def _kept(path: Path) -> dict[str, np.ndarray]:
+def previews_in(path: Path) -> dict[str, np.ndarray]:
     """The previews in a library that is there, by name, as `library_previews.render_all` returns them."""
     kinds = ("materials", "objects", "collections", "node_groups")
     with bpy.data.libraries.load(str(path), link=True, assets_only=True) as (there, wanted):
@@ -97,7 +97,7 @@ def main(arguments=None):
     folder = Path(arguments[0]) if arguments else PATH.parent
     path, keep = (folder / PATH.name).resolve(), arguments[1:] == ["keep"]
     samples = [] if keep else [int(number) for number in arguments[1:]]
-    previews = _kept(path) if keep else {}
+    previews = previews_in(path) if keep else {}
     if not keep and samples != [0]:
         previews = library_previews.render_all([asset.thing for asset in build()], *samples)
     assets = build()  # anew: set-up has changed the file that the sheet was rendered in
