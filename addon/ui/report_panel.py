@@ -132,7 +132,7 @@ def _draw_rows(layout, report: background.Report) -> None:
         layout.template_icon(icon_value=plot, scale=9.0)
         words(layout, "Up: ΔE, with noise a dot, without a dash. Across: seconds. The bright line is ΔE 1.")
     column = layout.column(align=True)
-    _draw_cells(column, "", "seconds", "ΔE", {})
+    _draw_cells(column, "", "s", "ΔE", {})
     for row, colour in zip(shown, scatter.colours(points, _MARKED), strict=True):
         icon = icons.patch(colour, colour, colour)
         drawn = {"icon_value": icon} if icon else {}

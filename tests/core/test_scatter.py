@@ -29,8 +29,9 @@ def test_slower_is_to_the_right_and_worse_is_higher():
     assert places[0][1] > max(y for _, y in places[1:]), "RGB errs most"
 
 
-def test_no_two_of_a_few_points_share_a_colour():
-    assert len(set(scatter.colours(POINTS, "automatic"))) == len(POINTS)
+def test_no_two_of_a_dozen_points_share_a_colour():
+    many = [scatter.Point(str(number), 1.0, 1.0, 1.0) for number in range(12)]
+    assert len(set(scatter.colours(many, "7"))) == len(many)
 
 
 def test_the_document_names_every_point_and_its_words_do_not_lie_on_each_other():
