@@ -1,7 +1,7 @@
 """Take the manual's pictures: runs the tests that photograph Blender's window, and cuts what `docs/` shows out of them;
 `lamps` are pictures of the still life's page, lit in a browser.
 
-BLENDER="a command that runs Blender" python tools/take_pictures.py [panel|mixer|materials|palette|report|first_picture|lamps ...]
+BLENDER="a command that runs Blender" python tools/take_pictures.py [panel|mixer|...|first_picture|lamps ...]
 """
 
 import subprocess
@@ -23,7 +23,7 @@ PICTURES = {
     "mixer_compare.jpg": ("mixer_compare.png", 370, 1316, 80, 815),
     "mixer_dial.jpg": ("mixer_dial.png", 370, 1316, 80, 815),
     "mixer_spectrum.jpg": ("mixer_inspect.png", 658, 1316, 80, 815),
-    "first_picture.jpg": ("6_relit.png", 0, 1316, 27, 870),
+    "first_picture.jpg": ("first_6_relit.png", 0, 1316, 27, 870),
     "materials.jpg": ("material.png", 1020, 1600, 80, 820),
     "palette_asked.jpg": ("palette_2.png palette_3.png palette_wanted.png palette_6.png", 496, 796, 80, 815),
     "palette_made.jpg": ("palette_7.png palette_8.png palette_group.png", 496, 796, 80, 815),

@@ -55,7 +55,7 @@ def type_and_enter(what, letters, place):
         send(letter.upper(), "PRESS", place, unicode=letter)
         send(letter.upper(), "RELEASE", place)
         yield
-    yield "5_typed.png"
+    yield "first_5_typed.png"
     send("RET", "PRESS", place)
     send("RET", "RELEASE", place)
     yield
@@ -69,27 +69,27 @@ def steps():
     main, began = bpy.context.window_manager.windows[0], time.monotonic()
     scene = bpy.context.scene
     assert not scene.relume.is_set_up
-    yield "0_opened.png"
+    yield "first_0_opened.png"
     yield from press("**N** over the 3D view: the sidebar", "N", VIEW)
     yield from click("the tab **Relume**", TAB)
-    yield "1_panel.png"
+    yield "first_1_panel.png"
     yield from click("**Set Up Spectral Render**", SET_UP)
     while not scene.relume.is_set_up:
         yield
     yield
-    yield "2_set_up.png"
+    yield "first_2_set_up.png"
     yield from press("**F12**", "F12", VIEW)
     while len(bpy.context.window_manager.windows) < 2 or bpy.app.is_job_running("RENDER"):
         yield
     for _ in range(4):
         yield
-    yield "3_rendered.png"
+    yield "first_3_rendered.png"
     yield from click("the illuminant of a light group", LAMP)
-    yield "4_search.png"
+    yield "first_4_search.png"
     yield from type_and_enter("type *sod*, **Enter**", "sod", LAMP)
     for _ in range(6):
         yield
-    yield "6_relit.png"
+    yield "first_6_relit.png"
     assert scene.relume.light_groups[0].illuminant == "Sodium (low pressure)", scene.relume.light_groups[0].illuminant
     with open(FILE, "w") as file:
         json.dump({"steps": DONE, "seconds": round(time.monotonic() - began)}, file)
@@ -118,7 +118,7 @@ def test_from_the_zip_to_a_relit_picture_in_six_steps(window, blender_app, tmp_p
     listed = (ROOT / "docs/blender.md").read_text(encoding="utf-8")
     for number, step in enumerate(steps, 1):
         assert f"{number}. {step[:1].upper()}{step[1:]}" in listed, "docs/blender.md lists what was done"
-    before, after = (_blue_in_the_render(pictures[name]) for name in ("3_rendered.png", "6_relit.png"))
+    before, after = (_blue_in_the_render(pictures[name]) for name in ("first_3_rendered.png", "first_6_relit.png"))
     assert after < 0.8 * before, "the picture on the screen has another light"
 
 
