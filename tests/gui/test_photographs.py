@@ -69,10 +69,14 @@ def contrast(struct):
         if known.type == "POINTER" and value is not None and name != "rna_type":
             contrast(value)
         elif known.type == "FLOAT" and known.is_array and known.array_length in (3, 4):
-            white = "text" in name or "outline" in name or "title" in name
-            chosen = "sel" in name or "active" in name
-            color = (1.0, 1.0, 0.0) if chosen != ("text" in name and chosen) else (0.0, 0.0, 0.0)
-            color = color if chosen else (1.0, 1.0, 1.0) if white else (0.0, 0.0, 0.0)
+            words, chosen = "text" in name or "title" in name, "sel" in name or "active" in name
+            color = (0.0, 0.0, 0.0)
+            if name == "item":
+                color = (0.6, 0.6, 0.0)
+            elif chosen and not words:
+                color = (1.0, 1.0, 0.0)
+            elif not chosen and (words or "outline" in name):
+                color = (1.0, 1.0, 1.0)
             setattr(struct, name, (*color, 1.0)[: known.array_length])
 
 
