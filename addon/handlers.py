@@ -27,7 +27,10 @@ _followed = {}  # scene's session id: the mix that its sockets show
 def _mix(settings) -> tuple:
     """All animatable values of the mixer, to see whether they changed."""
     rows = tuple(
-        (row.source, row.temperature, row.cct, row.stops, row.solo, row.mute, tuple(part.weight for part in row.blend))
+        (
+            *(row.source, row.temperature, row.cct, row.stops, row.solo, row.mute, tuple(row.tint)),
+            *(part.weight for part in row.blend),
+        )
         for row in settings.light_groups
     )
     balance = (settings.white_balance, settings.white_balance_method, settings.white_source, settings.observer)

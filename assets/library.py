@@ -1,4 +1,4 @@
-"""Build the asset library, with rendered previews: `python -m relume.assets.library [FOLDER [SAMPLES]]`.
+"""Build the asset library, with rendered previews: `python -m relume.assets.library [FOLDER [SAMPLES | keep]]`.
 
 Materials, lamps, objects and node groups of measured spectra go into `library.blend`; their catalogues, as Blender's
 Asset Browser reads them, into `blender_assets.cats.txt` beside it.
@@ -17,7 +17,7 @@ from . import library_materials, library_nodes, library_previews, library_things
 from . import library_terms as terms
 from .library_materials import Asset
 
-__all__ = ["CATALOGUES", "PATH", "build", "main"]
+__all__ = ["CATALOGUES", "PATH", "build", "main", "previews_in"]
 
 PATH = Path(__file__).with_name("library.blend")
 CATALOGUES = "blender_assets.cats.txt"
@@ -71,22 +71,38 @@ def _mark(asset: Asset, preview: np.ndarray | None) -> None:
         image.image_pixels_float.foreach_set(preview[::-1].astype(np.float32).ravel())
 
 
+def previews_in(path: Path) -> dict[str, np.ndarray]:
+    """The previews in a library that is there, by name, as `library_previews.render_all` returns them."""
+    kinds = ("materials", "objects", "collections", "node_groups")
+    with bpy.data.libraries.load(str(path), link=True, assets_only=True) as (there, wanted):
+        for kind in kinds:
+            setattr(wanted, kind, getattr(there, kind))
+    found = {}
+    for thing in [thing for kind in kinds for thing in getattr(wanted, kind) if thing.preview is not None]:
+        pixels = np.array(thing.preview.image_pixels_float, dtype=np.float32)
+        found[thing.name] = pixels.reshape(*thing.preview.image_size[::-1], 4)[::-1]
+    return found
+
+
 def main(arguments=None):
-    """Build the library into a folder, that of this file by default; with 0 samples, without previews."""
+    """Build the library into a folder, that of this file by default.
+
+    With 0 samples it has no previews, with `keep` those that it has already.
+    """
     from .. import register
 
     if not hasattr(bpy.types.Scene, "relume"):
         register()
     arguments = sys.argv[1:] if arguments is None else arguments
     folder = Path(arguments[0]) if arguments else PATH.parent
-    samples = [int(number) for number in arguments[1:]]
-    previews = {}
-    if samples != [0]:
+    path, keep = (folder / PATH.name).resolve(), arguments[1:] == ["keep"]
+    samples = [] if keep else [int(number) for number in arguments[1:]]
+    previews = previews_in(path) if keep else {}
+    if not keep and samples != [0]:
         previews = library_previews.render_all([asset.thing for asset in build()], *samples)
     assets = build()  # anew: set-up has changed the file that the sheet was rendered in
     for asset in assets:
         _mark(asset, previews.get(asset.thing.name))
-    path = (folder / PATH.name).resolve()
     bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=True)
     (folder / CATALOGUES).write_text(_catalogues(assets), encoding="utf-8")
     print(f"{path}: {len(assets)} assets")

@@ -9,8 +9,10 @@ import numpy as np
 from ..addon.graph import glass, spectra
 from ..core import palette
 from ..core.colour import differences, spaces
+from ..core.model import fresnel
 from ..core.spectra import library
 from ..core.spectra.spectrum import Spectrum
+from . import library_ground
 from . import library_terms as terms
 
 __all__ = ["Asset", "build", "colour_words"]
@@ -23,6 +25,14 @@ _PAIRS = (
     ("ColorChecker: foliage", "ColorChecker: magenta", "D65"),
     ("ColorChecker: blue flower", "ColorChecker: orange", "A"),
     ("ColorChecker: light skin", "ColorChecker: cyan", "FL2"),
+)
+# What the 99 surfaces of CIE 224 are, where that is not a paint, a print or a chip of a colour system: catalogue, the
+# word before the colour, roughness, specular level, and their numbers (after TM-30-15, as luxpy, GPL-3.0, lists them)
+_KINDS = (
+    ("Nature", "Plant", 0.6, 0.3, (3, 4, 12, 25, 27, 30, 36, 37, 38, 77, 81, 85, 89, 91, 92, 95, 96)),
+    ("Skin", "Skin", 0.45, 0.4, (15, 18)),
+    ("Textiles", "Cloth", 1.0, 0.0, (1, 2, 6, 11, 16, 17, 26, 29, 32, 41, 43, 47, 57, 62, 74, 79, 82, 83, 86, 94, 98)),
+    ("Plastics", "Plastic", 0.2, 0.5, (7, 14, 19, 24, 46, 53, 59, 64, 66, 67, 90, 99)),
 )
 # Hue in degrees of CIELAB at which each family begins
 _HUES = (
@@ -52,7 +62,7 @@ class Asset:
 
 def build() -> list[Asset]:
     """All materials, in an empty file."""
-    return [*_metals(), *_clear(), *_chart(), *_ces(), *_metamers()]
+    return [*_metals(), *_clear(), *_chart(), *_ces(), *_ground(), *_metamers()]
 
 
 def _material(name: str):
@@ -73,6 +83,8 @@ def _metals() -> list[Asset]:
         for socket in ("IOR", "Extinction"):
             spectra.assign(material, metal.inputs[socket], group, socket)
         tree.links.new(metal.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+        _show(material, fresnel.normal_reflectance(n, k))
+        material.metallic = 1.0
         words = f"{name} by its measured complex index of refraction; Roughness is yours to choose."
         found.append(Asset(material, "Materials/Metals", words, n.source, terms.DATABASE, ("metal", name.lower())))
     return found
@@ -95,10 +107,16 @@ def _clear() -> list[Asset]:
     return found
 
 
+def _show(material, reflectance: Spectrum) -> None:
+    """Have the solid viewport show the colour too, which knows nothing of nodes."""
+    material.diffuse_color = (*np.clip(spaces.daylight_rgb(reflectance), 0.0, 1.0), 1.0)
+
+
 def _painted(name: str, spectrum: Spectrum, roughness: float, specular: float = 0.5):
     material, _, principled = _material(name)
     principled.inputs["Roughness"].default_value = roughness
     principled.inputs["Specular IOR Level"].default_value = specular
+    _show(material, spectrum)
     spectra.assign(material, principled.inputs["Base Color"], spectra.new_reflectance(spectrum))
     return material
 
@@ -140,14 +158,28 @@ def _tone(lightness: float, chroma: float) -> str:
 
 
 def _ces() -> list[Asset]:
+    kinds = {f"CES {number:02d}": kind for *kind, numbers in _KINDS for number in numbers}
     found = []
     for spectrum in library.reflectances("ces"):
         family, words = colour_words(spectrum)
-        material = _painted(f"{words} ({spectrum.name})", spectrum, 0.4)
+        catalogue, kind, roughness, specular = kinds.get(spectrum.name, (f"Paints/{family}", "", 0.4, 0.5))
+        name = f"{kind}, {words.lower()}" if kind else words
+        material = _painted(f"{name} ({spectrum.name})", spectrum, roughness, specular)
         said = f"A measured surface, {words.lower()} in daylight: {spectrum.name} of the 99 colour evaluation samples."
-        found.append(
-            Asset(material, f"Materials/Paints/{family}", said, spectrum.source, terms.CES, (family.lower(), "ces"))
-        )
+        tags = (family.lower(), "ces", *([kind.lower()] if kind else []))
+        found.append(Asset(material, f"Materials/{catalogue}", said, spectrum.source, terms.CES, tags))
+    return found
+
+
+def _ground() -> list[Asset]:
+    found = []
+    for code, spectrum in library_ground.spectra().items():
+        catalogue, name, source = library_ground.TAKEN[code]
+        own = Spectrum(spectrum.wavelengths, spectrum.values, name, source=source)
+        said = f"{name}, measured outdoors ({code.rstrip('-')}), 400 to 800 nm: of one even colour, without texture."
+        tags = (catalogue.lower(), *name.lower().replace(",", "").split())
+        material = _painted(name, own, 1.0, 0.0)
+        found.append(Asset(material, f"Materials/{catalogue}", said, source, terms.GROUND, tags))
     return found
 
 

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..addon.graph import nodes, spectra
+from ..addon.graph import nodes, spectra, transfer
 from ..core.spectra import library
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
 
@@ -24,7 +24,9 @@ def build() -> dict:
         _absorption(
             "Water by Thickness", water, greatest
         ): "What is left of light by a thickness (m) of pure water, by its measured absorption.",
+        _thin_film(): "What a film of a few waves (thickness in nm) reflects, as soap does: the colour of a Glossy.",
         _gel(): "A filter in front of a colour or a lamp; a thickness of 2 is two sheets of it.",
+        _transfer(): "Ranges of a volume's values, each with a spectrum and a density: the material panel edits them.",
         _black_body(): "Shines as a black body of the temperature in the attribute “kelvin” of its surface.",
     }
 
@@ -69,31 +71,29 @@ def _ramp():
     return tree
 
 
-def _power(tree, column, base, exponent):
-    """base ** exponent, number by number; each is a socket, or three equal numbers."""
-    node = nodes.add(tree, "ShaderNodeVectorMath", column, operation="POWER")
-    for socket, operand in zip(node.inputs, (base, exponent), strict=False):
+def _fed(tree, node, operands):
+    """The output of a node whose inputs are sockets, or numbers."""
+    for socket, operand in zip(node.inputs, operands, strict=False):
         if isinstance(operand, bpy.types.NodeSocket):
             tree.links.new(operand, socket)
         else:
-            socket.default_value = (operand,) * 3
+            socket.default_value = (operand,) * 3 if socket.type == "VECTOR" else operand
     return node.outputs[0]
+
+
+def _number(tree, column, row, operation, *operands):
+    return _fed(tree, nodes.add(tree, "ShaderNodeMath", column, row, operation=operation), operands)
+
+
+def _vector(tree, column, operation, *operands):
+    """An operation channel by channel; each operand is a socket, or three equal numbers."""
+    return _fed(tree, nodes.add(tree, "ShaderNodeVectorMath", column, operation=operation), operands)
 
 
 def _scaled(tree, column, vector, factor):
     node = nodes.add(tree, "ShaderNodeVectorMath", column, operation="SCALE")
     tree.links.new(vector, node.inputs[0])
     tree.links.new(factor, node.inputs["Scale"])
-    return node.outputs[0]
-
-
-def _product(tree, column, first, second: float):
-    node = nodes.add(tree, "ShaderNodeMath", column, 1, operation="MULTIPLY")
-    tree.links.new(first, node.inputs[0])
-    if isinstance(second, bpy.types.NodeSocket):
-        tree.links.new(second, node.inputs[1])
-    else:
-        node.inputs[1].default_value = second
     return node.outputs[0]
 
 
@@ -105,14 +105,14 @@ def _absorption(name: str, substance: Spectrum | None, density: float):
     tree, source, output = _group(name, inputs)
     nodes.add_socket(tree, "Color", "Color", output=True)
     if substance is None:
-        depth = _product(tree, 1, source.outputs["Thickness"], source.outputs["Density"])
+        depth = _number(tree, 1, 1, "MULTIPLY", source.outputs["Thickness"], source.outputs["Density"])
         absorbed = source.outputs["Absorption"]
     else:
-        depth = _product(tree, 1, source.outputs["Thickness"], density)
+        depth = _number(tree, 1, 1, "MULTIPLY", source.outputs["Thickness"], density)
         held = nodes.add(tree, "ShaderNodeGroup", 1, node_tree=spectra.new_reflectance(substance))
         absorbed = held.outputs["Color"]
-    negative = _product(tree, 2, depth, -1.0)
-    left = _power(tree, 4, float(np.e), _scaled(tree, 3, absorbed, negative))
+    negative = _number(tree, 2, 1, "MULTIPLY", depth, -1.0)
+    left = _vector(tree, 4, "POWER", float(np.e), _scaled(tree, 3, absorbed, negative))
     tree.links.new(left, output.inputs["Color"])
     return tree
 
@@ -123,6 +123,52 @@ def _water() -> tuple[Spectrum, float]:
     absorbed = 4 * np.pi * k.sampled() / (WAVELENGTHS * 1e-9)
     greatest = float(absorbed.max())
     return Spectrum(WAVELENGTHS, absorbed / greatest, "absorption of water", "reflectance", k.source), greatest
+
+
+def _transfer():
+    tree = transfer.new()
+    for k, name in enumerate(("blue", "green", "yellow", "red")):
+        spectrum = library.reflectance(f"ColorChecker: {name}")
+        group = spectra.existing({"Color": spectrum}) or spectra.new_reflectance(spectrum)
+        transfer.add_range(tree, 0.25 * k, 0.25 * (k + 1), group)
+    return tree
+
+
+def _waves() -> Spectrum:
+    """380 nm by wavelength: how many waves fit into a length, as a spectrum whose greatest value is 1."""
+    return Spectrum(WAVELENGTHS, WAVELENGTHS[0] / WAVELENGTHS, "waves per 380 nm", "reflectance", "1/λ")
+
+
+def _thin_film():
+    """Airy's formula for a film with the same on both sides: R = F sin²(δ/2) / (1 + F sin²(δ/2)), F = 4r / (1 - r)².
+
+    δ/2 = 2π n d cos θ / λ, channel by channel, with cos² θ = 1 - (1 - cos² i) / n²; r: Fresnel's, unpolarised.
+    """
+    tree, source, output = _group("Thin Film", (("Thickness", "Float", 400.0), ("IOR", "Float", 1.33)))
+    nodes.add_socket(tree, "Color", "Color", output=True)
+    index, output.location.x = source.outputs["IOR"], output.location.x + 800
+    place = nodes.add(tree, "ShaderNodeNewGeometry", 0, 1)
+    facing = nodes.add(tree, "ShaderNodeVectorMath", 1, 1, operation="DOT_PRODUCT")
+    for socket, name in zip(facing.inputs, ("Incoming", "Normal"), strict=False):
+        tree.links.new(place.outputs[name], socket)
+    cosine = facing.outputs["Value"]
+    sine = _number(tree, 3, 1, "SUBTRACT", 1.0, _number(tree, 2, 1, "MULTIPLY", cosine, cosine))
+    bent = _number(tree, 4, 1, "DIVIDE", sine, _number(tree, 2, 2, "MULTIPLY", index, index))
+    way = _number(tree, 6, 1, "SQRT", _number(tree, 5, 1, "SUBTRACT", 1.0, bent))
+    way = _number(tree, 7, 1, "MULTIPLY", way, _number(tree, 6, 2, "MULTIPLY", index, source.outputs["Thickness"]))
+    fresnel = nodes.add(tree, "ShaderNodeFresnel", 2, 3)
+    tree.links.new(index, fresnel.inputs["IOR"])
+    through = _number(tree, 3, 3, "SUBTRACT", 1.0, fresnel.outputs[0])
+    finesse = _number(tree, 5, 3, "DIVIDE", fresnel.outputs[0], _number(tree, 4, 3, "MULTIPLY", through, through))
+    held = nodes.add(tree, "ShaderNodeGroup", 7, node_tree=spectra.new_reflectance(_waves()))
+    phase = _number(tree, 8, 1, "MULTIPLY", way, 2 * np.pi / WAVELENGTHS[0])
+    wave = _vector(tree, 10, "SINE", _scaled(tree, 9, held.outputs["Color"], phase))
+    strength = _scaled(
+        tree, 12, _vector(tree, 11, "MULTIPLY", wave, wave), _number(tree, 6, 3, "MULTIPLY", finesse, 4.0)
+    )
+    reflected = _vector(tree, 14, "DIVIDE", strength, _vector(tree, 13, "ADD", strength, 1.0))
+    tree.links.new(reflected, output.inputs["Color"])
+    return tree
 
 
 def _gel():
@@ -138,11 +184,8 @@ def _gel():
     sheets = nodes.add(tree, "ShaderNodeCombineXYZ", 1, 1)
     for socket in sheets.inputs:
         tree.links.new(source.outputs["Thickness"], socket)
-    passed = _power(tree, 2, source.outputs["Transmittance"], sheets.outputs[0])
-    product = nodes.add(tree, "ShaderNodeVectorMath", 3, operation="MULTIPLY")
-    tree.links.new(source.outputs["Color"], product.inputs[0])
-    tree.links.new(passed, product.inputs[1])
-    tree.links.new(product.outputs[0], output.inputs["Color"])
+    passed = _vector(tree, 2, "POWER", source.outputs["Transmittance"], sheets.outputs[0])
+    tree.links.new(_vector(tree, 3, "MULTIPLY", source.outputs["Color"], passed), output.inputs["Color"])
     return tree
 
 

@@ -37,7 +37,18 @@ _PICTURED = {
     "Beer–Lambert Absorption": {"Absorption": "ColorChecker: cyan"},
     "Gel": {"Transmittance": "ColorChecker: magenta"},
 }
-_NUMBERS = {"Beer–Lambert Absorption": {"Thickness": 2.0}, "Water by Thickness": {"Thickness": 6.0}}
+_NUMBERS = {
+    "Beer–Lambert Absorption": {"Thickness": 2.0},
+    "Water by Thickness": {"Thickness": 6.0},
+    "Thin Film": {"IOR": 2.2},
+}
+# The input that grows from left to right, and what it has at the right end
+_ALONG = {
+    "Spectral Mix": ("Factor", 1.0),
+    "Spectral Ramp": ("Factor", 1.0),
+    "Spectral Transfer Function": ("Value", 1.0),
+    "Thin Film": ("Thickness", 900.0),
+}
 
 
 def render_all(things: Sequence, samples: int = _SAMPLES) -> dict:
@@ -164,10 +175,14 @@ def _using(group):
         spectra.assign(material, node.inputs[name], spectra.new_reflectance(library.reflectance(reflectance)))
     for name, number in _NUMBERS.get(group.name, {}).items():
         node.inputs[name].default_value = number
-    if "Factor" in node.inputs:
+    if group.name in _ALONG:
+        name, most = _ALONG[group.name]
         place, parts = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+        along = tree.nodes.new("ShaderNodeMath")
+        along.operation, along.inputs[1].default_value = "MULTIPLY", most
         tree.links.new(place.outputs["Generated"], parts.inputs[0])
-        tree.links.new(parts.outputs["X"], node.inputs["Factor"])
+        tree.links.new(parts.outputs["X"], along.inputs[0])
+        tree.links.new(along.outputs[0], node.inputs[name])
     if "Emission" in node.outputs:
         tree.links.new(node.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     else:

@@ -6,13 +6,14 @@ licence.
 
 from ..core.spectra import library
 
-__all__ = ["CES", "CHART", "DATABASE", "DESIGNED", "MADE", "of_lamp"]
+__all__ = ["CES", "CHART", "DATABASE", "DESIGNED", "GROUND", "MADE", "of_lamp"]
 
 _SHIPPED = "shipped by colour-science (BSD-3-Clause); terms of {} were not found"
 
 DATABASE = "CC0-1.0 (refractiveindex.info database)"
 CES = _SHIPPED.format("the CIE, whose report 224:2017 they are of,")
 CHART = "Copyright 2004-2012 Danny Pascale, BabelColor; in colour-science (BSD-3-Clause) by permission"
+GROUND = "shipped by earthlib 1.1.0 (MIT); terms of those who measured were not found"
 DESIGNED = "GPL-3.0-or-later (designed by Relume)"
 MADE = "GPL-3.0-or-later (made by Relume)"
 _FORMULA = "Planck's law", "CIE daylight", "line"

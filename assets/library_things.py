@@ -1,8 +1,12 @@
 """The lamps and objects of the asset library."""
 
+import math
+
 import bpy
 
 from ..addon.graph import lamps
+from ..core.colour import spaces
+from ..core.picture import drawing
 from ..core.spectra import library
 from . import library_terms as terms
 from .library_materials import Asset
@@ -10,7 +14,7 @@ from .library_materials import Asset
 __all__ = ["build"]
 
 _CARDS = f"{terms.MADE}; reflectances: {terms.CHART}"
-# Name: (catalogue, illuminant, kelvin that comes nearest, shape, size in metres, Blender's watts)
+# Name: (catalogue, illuminant, kelvin that comes nearest or 0 where none does, shape, size in metres, Blender's watts)
 LAMPS = {
     "Candle": ("Flames", "Planckian 1900 K", 1900, "POINT", 0.01, 1.2),
     "Oil lamp": ("Flames", "Planckian 2000 K", 2000, "POINT", 0.02, 3.0),
@@ -36,6 +40,13 @@ LAMPS = {
     "Stage head, tungsten": ("Stage and film", "Planckian 3200 K", 3200, "SPOT", 0.15, 250.0),
     "Stage head, LED": ("Stage and film", "4-LED-1 (461/526/576/624)", 3300, "SPOT", 0.15, 250.0),
     "Softbox, daylight LED": ("Stage and film", "LED-B4", 5109, "AREA", 1.0, 120.0),
+    "Laser, violet (405 nm)": ("Lasers", "405 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, blue (450 nm)": ("Lasers", "450 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, cyan (488 nm)": ("Lasers", "488 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, green (532 nm)": ("Lasers", "532 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, yellow (589 nm)": ("Lasers", "589 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, red (633 nm)": ("Lasers", "633 nm", 0, "LASER", 0.002, 20.0),
+    "Laser, deep red (660 nm)": ("Lasers", "660 nm", 0, "LASER", 0.002, 20.0),
     "North window": ("Daylight", "D75", 7500, "AREA", 1.4, 120.0),
     "Overcast window": ("Daylight", "D65", 6504, "AREA", 1.4, 150.0),
     "Sun at noon": ("Daylight", "D55", 5500, "SUN", 0.0093, 4.0),
@@ -51,13 +62,23 @@ def build(paints: dict) -> list[Asset]:
 
 
 def _light(name, illuminant, kelvin, shape, size, watts):
-    """A light object that says which illuminant it is; without Relume it has the colour of the nearest black body."""
-    light = bpy.data.lights.new(name, "AREA" if shape == "TUBE" else shape)
-    light.energy, light.use_temperature, light.temperature = watts, True, kelvin
+    """A light object that says which illuminant it is.
+
+    Without Relume it has the colour of the nearest black body, and a laser that of its line: where all light is of one
+    wavelength, a coloured lamp is only dimmer.
+    """
+    light = bpy.data.lights.new(name, {"TUBE": "AREA", "LASER": "SPOT"}.get(shape, shape))
+    light.energy = watts
+    if kelvin:
+        light.use_temperature, light.temperature = True, kelvin
+    else:
+        light.color = spaces.srgb_decoded(drawing.swatch(library.illuminant(illuminant)))
     if shape == "AREA":
         light.shape, light.size = "SQUARE", size
     elif shape == "TUBE":
         light.shape, light.size, light.size_y = "RECTANGLE", size, 0.03
+    elif shape == "LASER":
+        light.shadow_soft_size, light.spot_size, light.spot_blend = size, math.radians(0.5), 0.0
     elif shape == "SUN":
         light.angle = size
     else:

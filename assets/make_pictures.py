@@ -140,17 +140,12 @@ def _still_life_page(path: Path):
 
 def _assets(path: Path):
     """The previews of the asset library, in the order of its catalogues."""
-    order = {asset.thing.name: k for k, asset in enumerate(library_assets.build())}
-    with bpy.data.libraries.load(str(library_assets.PATH), link=True, assets_only=True) as (there, wanted):
-        for kind in (kinds := ("materials", "objects", "collections", "node_groups")):
-            setattr(wanted, kind, getattr(there, kind))
-    things = sorted((thing for kind in kinds for thing in getattr(wanted, kind)), key=lambda t: order[t.name])
+    names = [asset.thing.name for asset in library_assets.build()]
+    previews = library_assets.previews_in(library_assets.PATH)
     size, columns = _ASSET, 17
-    sheet = Image.new("RGB", (columns * size, -(-len(things) // columns) * size), "#303030")
-    for number, thing in enumerate(things):
-        preview = thing.preview
-        pixels = np.array(preview.image_pixels_float).reshape(*preview.image_size[::-1], 4)[::-1]
-        cell = Image.fromarray((np.clip(pixels, 0, 1) * 255 + 0.5).astype(np.uint8)).resize((size, size))
+    sheet = Image.new("RGB", (columns * size, -(-len(names) // columns) * size), "#303030")
+    for number, name in enumerate(names):
+        cell = Image.fromarray((np.clip(previews[name], 0, 1) * 255 + 0.5).astype(np.uint8)).resize((size, size))
         sheet.paste(cell, (number % columns * size, number // columns * size), cell)
     sheet.save(path, quality=88)
 

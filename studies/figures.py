@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from ..core.palette import Entry, Palette, Report
 
-__all__ = ["Panel", "available", "curves", "delta_e_maps", "design_matrix", "error_over_time", "picture_row"]
+__all__ = ["Panel", "available", "curves", "delta_e_maps", "design_matrix", "picture_row"]
 
 _INCHES = 4.0  # width of one picture on the page
 _DPI = 120
@@ -87,26 +87,6 @@ def delta_e_maps(
         axis.set_title(f"{title}\nmedian {median:.2f}, 98th percentile {p98:.2f}", fontsize=9)
     bar = figure.colorbar(shown, ax=list(axes), fraction=0.03, extend="max")
     bar.set_label(f"{measure} (1 is just noticeable)")
-    figure.savefig(path)
-
-
-def error_over_time(path: Path, points: Sequence[tuple[str, float, float, float]], marked: str) -> None:
-    """Plot (name, seconds, total error, error of the model alone), both axes logarithmic; `marked` stands out."""
-    figure, (axis,) = _page(1, 1, (8, 5.5))
-    least = 0.01  # a logarithmic axis has no zero
-    for name, seconds, total, model in points:
-        color = "tab:red" if name == marked else "tab:blue"
-        total, model = max(total, least), max(model, least)
-        axis.plot([seconds, seconds], [model, total], color=color, linewidth=1, alpha=0.5)
-        axis.plot(seconds, total, "o", color=color)
-        axis.plot(seconds, model, "_", color=color, markersize=12)
-        axis.annotate(name, (seconds, model), xytext=(7, -4), textcoords="offset points", fontsize=9, color=color)
-    axis.axhline(1.0, color="grey", linewidth=0.8, linestyle=":")
-    axis.margins(x=0.2)
-    axis.set(xscale="log", yscale="log", xlabel="seconds", ylabel="ΔE2000 to the reference, 98th percentile")
-    _plain_numbers(axis)
-    axis.xaxis.set_minor_formatter("{x:g}")
-    axis.set_title("Error against run time: dot with noise, dash the model alone", fontsize=11)
     figure.savefig(path)
 
 

@@ -1,7 +1,7 @@
 """Take the manual's pictures: runs the tests that photograph Blender's window, and cuts what `docs/` shows out of them;
 `lamps` are pictures of the still life's page, lit in a browser.
 
-BLENDER="a command that runs Blender" python tools/take_pictures.py [panel|mixer|materials|palette|report|lamps ...]
+BLENDER="a command that runs Blender" python tools/take_pictures.py [panel|mixer|...|first_picture|lamps ...]
 """
 
 import subprocess
@@ -15,7 +15,7 @@ import OpenImageIO as oiio
 ROOT = Path(__file__).resolve().parents[1]
 SHOTS = ROOT / "build/gui"
 LAMPS = "lamps"
-TESTS = ("panel", "mixer", "materials", "palette", "report")
+TESTS = ("panel", "mixer", "materials", "palette", "report", "first_picture")
 # In docs/: the photograph, or some side by side, and the part of a 1600 × 900 window: left, right, top, bottom
 PICTURES = {
     "mixer.jpg": ("mixer_sodium.png", 370, 1316, 80, 815),
@@ -23,6 +23,7 @@ PICTURES = {
     "mixer_compare.jpg": ("mixer_compare.png", 370, 1316, 80, 815),
     "mixer_dial.jpg": ("mixer_dial.png", 370, 1316, 80, 815),
     "mixer_spectrum.jpg": ("mixer_inspect.png", 658, 1316, 80, 815),
+    "first_picture.jpg": ("first_6_relit.png", 0, 1316, 27, 870),
     "materials.jpg": ("material.png", 1020, 1600, 80, 820),
     "palette_asked.jpg": ("palette_2.png palette_3.png palette_wanted.png palette_6.png", 496, 796, 80, 815),
     "palette_made.jpg": ("palette_7.png palette_8.png palette_group.png", 496, 796, 80, 815),

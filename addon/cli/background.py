@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import bpy
@@ -24,6 +25,7 @@ class Report:
     def __init__(self, blend: Path, folder: Path, percent: int, samples: int) -> None:
         self.folder, self.words, self.rows = folder, "starting", []
         self._passes, self._rendered, self._stopped = 0, 0, False
+        self._began = time.monotonic()
         options = ["--percent", str(percent), "--out", str(folder)]
         options += ["--samples", str(samples)] if samples else []
         self._process = subprocess.Popen(
@@ -42,6 +44,11 @@ class Report:
     @property
     def part(self) -> float:
         return min(self._rendered / self._passes, 1.0) if self._passes else 0.0
+
+    @property
+    def seconds_left(self) -> float | None:
+        """About how long it goes on, as its passes took so far; None before there are any."""
+        return (time.monotonic() - self._began) * (1.0 / self.part - 1.0) if self.part else None
 
     @property
     def is_running(self) -> bool:
@@ -63,7 +70,7 @@ class Report:
             for said in map(_event, lines):
                 kind = said.get("event")
                 if kind == "passes":
-                    self._passes = said["number"]
+                    self._passes, self._began = said["number"], time.monotonic()
                 elif kind == "pass":
                     self._rendered += 1
                     self.words = said["words"]

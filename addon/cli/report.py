@@ -21,7 +21,7 @@ from ...core.colour import differences, spaces
 from ...core.errors import CoefficientImageError, UsageError
 from ...core.model import bases
 from ...core.model.factor_model import FactorModel
-from ...core.picture import coefficients, plan, recombination
+from ...core.picture import coefficients, plan, recombination, scatter
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import Light, Mix
 from ...studies import figures
@@ -39,8 +39,9 @@ Colour differences are CIEDE2000 to the reference. *Model*: same noise on both s
 render. The first render of a run loads Cycles: of two the faster counts."""
 
 _UNDRAWN = """\
-The plot and the maps of colour differences need matplotlib, which Blender's Python lacks: `relume report` outside of
-Blender draws them in this folder, and renders nothing again."""
+The maps of colour differences need matplotlib, which Blender's Python lacks: `relume report` outside of Blender draws
+them in this folder, and renders nothing again."""
+_PLOT, _TITLE = "error_over_time.svg", "Error against run time: dot with noise, dash the model alone"
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ def _models(scene, options: argparse.Namespace, chosen: FactorModel) -> dict:
         made |= {f"prefiltered, {light.name}": bases.prefiltered(light) for light in lights}
     for channels in options.channels:
         if "fitted" in options.models:
-            made[f"{channels} channels"] = bases.fitted(channels)
+            made[f"{channels} channel{'s' if channels > 1 else ''}"] = bases.fitted(channels)
         if "block" in options.models:
             made[f"block, {channels}"] = bases.block(channels)
         if "sharpened" in options.models:
@@ -270,8 +271,11 @@ def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictur
     record = {"scene": str(blend), "reason": chosen.reason, "rows": [asdict(row) for row in rows]}
     shown = {name: pictures[name] for name in ("RGB", "automatic", _REFERENCE) if name in pictures}
     draw = _draw if figures.available() else _save_pictures
+    points = [scatter.Point(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
+    plot = scatter.svg(points, "automatic", _TITLE, "seconds", "ΔE2000 to the reference, 98th percentile")
     with results.together():
-        drawn = draw(folder, rows, shown, lights)
+        drawn = [_PLOT, *draw(folder, shown, lights)]
+        results.write_text(folder / _PLOT, plot)
         results.write_text(folder / "report.json", json.dumps(record, indent=2, ensure_ascii=False) + "\n")
         results.write_text(folder / "report.md", _markdown(blend, rows, chosen.reason, drawn))
     if not console.event("rows", rows=record["rows"]):
@@ -281,23 +285,20 @@ def _write(folder: Path, blend: Path, rows: list[Row], chosen: plan.Plan, pictur
         console.wrote(folder / name)
 
 
-def _draw(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]:
-    """The plot of error over time, the pictures side by side, their colour differences -> the files' names."""
-    drawn = ["error_over_time.png", "side_by_side.png", "delta_e.png"]
-    points = [(row.name, row.seconds, row.total["p98"], row.model["p98"]) for row in rows]
+def _draw(folder: Path, shown: dict, lights: dict) -> list[str]:
+    """The pictures side by side, and their colour differences -> the files' names."""
+    drawn = ["side_by_side.png", "delta_e.png"]
     row = [(name, spaces.srgb_encoded(render.picture(image, lights))) for name, image in shown.items()]
     reference = shown[_REFERENCE]
     maps = [(name, _difference(image, reference, lights)) for name, image in shown.items() if image is not reference]
     with results.replacing(folder / drawn[0]) as partial:
-        figures.error_over_time(partial, points, "automatic")
-    with results.replacing(folder / drawn[1]) as partial:
         figures.picture_row(partial, row)
-    with results.replacing(folder / drawn[2]) as partial:
+    with results.replacing(folder / drawn[1]) as partial:
         figures.delta_e_maps(partial, maps)
     return drawn
 
 
-def _save_pictures(folder: Path, rows: list[Row], shown: dict, lights: dict) -> list[str]:
+def _save_pictures(folder: Path, shown: dict, lights: dict) -> list[str]:
     """What Blender can draw by itself: one picture for each model -> the files' names."""
     for name, image in shown.items():
         render.save_picture(folder / f"{name}.png", render.picture(image, lights), image)

@@ -107,7 +107,9 @@ def _key(scene, thing, way: str) -> str:
         collections = getattr(thing, "users_collection", ())
         return next((c.name for c in collections if c != scene.collection), thing.name if not collections else "Scene")
     row = scene.relume.light_groups.get(thing.lightgroup or EVERYTHING_ELSE)
-    return row.label if row else "D65"
+    if row is None:
+        return "D65"
+    return row.spectrum().name if row.is_tinted else row.label
 
 
 def add(scene, name: str, things: list) -> int:

@@ -6,9 +6,9 @@ from ...core.errors import SetupError
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ..graph import lights
 from ..store import mixer, properties, schema
-from . import rows
+from . import rows, setup
 
-__all__ = ["members", "paste", "reset", "select"]
+__all__ = ["members", "move", "paste", "reset", "select"]
 
 
 def reset(scene, names=None) -> None:
@@ -42,6 +42,27 @@ def reset(scene, names=None) -> None:
 def paste(row, shines: dict) -> None:
     """Have a row show an illuminant, as `mix_file.illuminant_from` returns it; its gain stays."""
     mixer.apply(row.id_data.relume, {"light_groups": {row.name: mixer.choice(row) | shines}, "balance": {}})
+
+
+def move(scene, name: str, by: int) -> None:
+    """Move a row of the mixer by a number of places, as far as there are any. Raises SetupError.
+
+    Rows without lights stay behind the others.
+    """
+    settings = scene.relume
+    names, chosen = [row.name for row in settings.lit], settings.active_light_group
+    if name not in names:
+        raise SetupError(f"nothing shines in {name}: its row stays behind the others")
+    active = settings.light_groups[chosen].name if 0 <= chosen < len(settings.light_groups) else ""
+    place = names.index(name)
+    names.insert(min(max(place + by, 0), len(names) - 1), names.pop(place))
+    for position, each in enumerate(names):
+        settings.light_groups[each].position = position
+    if settings.shades:
+        setup.update(scene)
+    else:
+        rows.arrange(settings)
+    settings.active_light_group = max(0, settings.light_groups.find(active))
 
 
 def members(scene, name: str) -> list:

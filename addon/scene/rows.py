@@ -16,6 +16,7 @@ from ..store.mixer import CURVE
 
 __all__ = [
     "GIVEN",
+    "arrange",
     "discard",
     "forget_untouched",
     "mark",
@@ -49,8 +50,9 @@ def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list
     group is new. Otherwise a row stays, without light and behind the others, if the artist chose anything in it.
     """
     settings = scene.relume
-    rows, names = settings.light_groups, list(now)
+    rows = settings.light_groups
     _follow_renames(settings, before, now)
+    names = _as_moved(settings, now)
     with _followed_by_animation(settings):
         for name in names:
             if name not in rows:
@@ -69,6 +71,20 @@ def sync(scene, before: dict[str, list[str]], now: dict[str, list[str]]) -> list
             row.is_lit = row.name in now
     _note_members(scene, {name: before.get(name, []) for name in unlit(scene)} | now)
     return names
+
+
+def _as_moved(settings, names: Collection[str]) -> list[str]:
+    """Names of light groups in the order in which the artist put their rows; those that were never moved come last."""
+    moved = {row.name: row.position for row in settings.light_groups if row.position >= 0}
+    return sorted(names, key=lambda name: moved.get(name, len(settings.light_groups)))
+
+
+def arrange(settings) -> None:
+    """Put the rows that are lit where the artist moved them."""
+    rows = settings.light_groups
+    with _followed_by_animation(settings):
+        for position, name in enumerate(_as_moved(settings, [row.name for row in settings.lit])):
+            rows.move(rows.find(name), position)
 
 
 def numbers(scene) -> dict[str, int]:

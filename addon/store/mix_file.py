@@ -12,7 +12,7 @@ from ...core import results
 from ...core.errors import SetupError, UsageError
 from ...core.picture import mixing
 from ...core.picture.mix import Light
-from . import mixer, schema
+from . import mixer, schema, shining
 
 __all__ = [
     "illuminant_from",
@@ -25,7 +25,16 @@ __all__ = [
     "write",
 ]
 
-_SHINES = ("source", "illuminant", "temperature", "cct", "path", "measured", "blend")  # of a row: what shines, no gain
+_SHINES = (
+    "source",
+    "illuminant",
+    "temperature",
+    "cct",
+    "path",
+    "measured",
+    "tint",
+    "blend",
+)  # of a row: what shines, no gain
 _GAIN = ("stops", "solo", "mute")
 _KIND = "relume"  # what the text holds: a mix, an illuminant
 
@@ -87,10 +96,10 @@ def read(path: Path) -> str:
 def lights_in(chosen: dict, groups: Sequence[str]) -> dict[str, Light]:
     """The Light of each of these light groups that a mix knows, as `mix_from` returns it. Raises RelumeError."""
     known = mixer.LightGroup.bl_rna.properties
-    usual = {name: known[name].default for name in (*_SHINES, *_GAIN) if name != "blend"} | {"blend": []}
+    usual = {name: mixer.default(known[name]) for name in (*_SHINES, *_GAIN) if name != "blend"} | {"blend": []}
     said = {name: usual | chosen["light_groups"][name] for name in groups if name in chosen["light_groups"]}
     gains = mixing.gains(*([row[name] for row in said.values()] for name in _GAIN))
-    spectra = [mixer.spectrum_of(row) for row in said.values()]
+    spectra = [shining.spectrum_of(row) for row in said.values()]
     return {name: Light(each, float(gain)) for name, each, gain in zip(said, spectra, gains, strict=True)}
 
 
@@ -119,6 +128,10 @@ def _check(row, known, where: str) -> None:
         raise UsageError(f"{where}: is no object")
     for name in {*row} & {*known.keys()} - {"blend", "name"}:
         kind, value = known[name].type, row[name]
+        if getattr(known[name], "is_array", False):
+            if not _are_numbers(value, known[name].array_length):
+                raise UsageError(f"{where}: {name} cannot be {value!r}")
+            continue
         wrong = {
             "STRING": not isinstance(value, str),
             "BOOLEAN": not isinstance(value, bool),
@@ -130,6 +143,14 @@ def _check(row, known, where: str) -> None:
     parts = row.get("blend", [])
     if not isinstance(parts, list) or not all(_is_part(part) for part in parts):
         raise UsageError(f"{where}: the blend is no list of illuminants and weights")
+
+
+def _are_numbers(value, count: int) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == count
+        and all(isinstance(each, int | float) and math.isfinite(each) for each in value)
+    )
 
 
 def _is_part(part) -> bool:

@@ -6,7 +6,6 @@ The names of properties are stored in files and in animations: do not rename the
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
@@ -15,9 +14,9 @@ from bpy.types import PropertyGroup
 from ...core.errors import RelumeError
 from ...core.picture import mixing
 from ...core.picture.mix import Light
-from ...core.spectra import files, library
-from ...core.spectra.spectrum import Spectrum, SpectrumError
-from . import changes
+from ...core.spectra import files
+from ...core.spectra.spectrum import Spectrum
+from . import changes, shining
 
 __all__ = [
     "CLASSES",
@@ -27,13 +26,13 @@ __all__ = [
     "apply",
     "choice",
     "choices",
+    "default",
     "filled",
     "is_quiet",
     "is_touched",
     "mix_changed",
     "quiet",
     "reading",
-    "spectrum_of",
 ]
 
 CURVE = "relume_curve"  # on a row: 81 values of its spectrum, the highest 1
@@ -46,7 +45,7 @@ SOURCES = [
     ("BLEND", "Blend", "Several illuminants by weight, as on the light dial"),
 ]
 # What a row says about its light, and what the scene says about all of them: all that a snapshot keeps
-_ROW = ("source", "illuminant", "temperature", "cct", "path", "measured", "stops", "solo", "mute")
+_ROW = ("source", "illuminant", "temperature", "cct", "path", "measured", "tint", "stops", "solo", "mute")
 BALANCE = (
     *("white_balance", "white_balance_method", "white_source", "white_group", "white_pixel"),
     *("observer", "observer_path", "observer_measured"),
@@ -75,19 +74,6 @@ def mix_changed(self, context) -> None:
     """Update of every property that the picture depends on."""
     if not _quiet:
         changes.tell(changes.MIX, self.id_data)
-
-
-@lru_cache(maxsize=256)
-def stored_spectrum(text: str) -> Spectrum:
-    """The Spectrum that a property holds as JSON. Raises SpectrumError."""
-    if not text:
-        raise SpectrumError("no file has been read yet: choose one")
-    return Spectrum.from_dict(json.loads(text))
-
-
-def part_spectrum(name: str, measured: str = "") -> Spectrum:
-    """The spectrum of a part of a blend: its own where it has one, as JSON, or that of a name."""
-    return stored_spectrum(measured) if measured else library.illuminant(name)
 
 
 def reading(read: Callable[[str], dict | list], path: str, kept: str) -> Callable:
@@ -144,7 +130,7 @@ class BlendPart(PropertyGroup):
 
     def spectrum(self):
         """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
-        return part_spectrum(self.illuminant, self.measured)
+        return shining.part_spectrum(self.illuminant, self.measured)
 
 
 class LightGroup(PropertyGroup):
@@ -197,10 +183,22 @@ class LightGroup(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and power. The spectrum is kept in the scene",
         subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         update=reading(lambda path: files.illuminant(path).to_dict(), "path", "measured"),
     )
     measured: StringProperty(name="Spectrum of the File", options={"HIDDEN"})
     blend: CollectionProperty(type=BlendPart)
+    tint: FloatVectorProperty(
+        name="Gel",
+        description="The colour of a gel before the lamps of this light group. Like every change of the illuminant, it "
+        "changes the colour of the light, not the exposure",
+        subtype="COLOR_GAMMA",
+        size=3,
+        default=(1.0, 1.0, 1.0),
+        min=0.0,
+        max=1.0,
+        update=mix_changed,
+    )
     stops: FloatProperty(
         name="Gain",
         description="Brightness of this light group in stops: 1 is twice what was rendered, -1 half",
@@ -218,6 +216,7 @@ class LightGroup(PropertyGroup):
     is_lit: BoolProperty(
         name="Lit", description="Whether anything shone in this light group at set-up", default=True, options={"HIDDEN"}
     )
+    position: bpy.props.IntProperty(default=-1, options={"HIDDEN"})  # where the artist moved it, -1 for nowhere
     is_open: BoolProperty(name="Details", description="Show the spectrum and the settings of this light group")
     swatch: FloatVectorProperty(
         name="Colour of a White in This Light", subtype="COLOR_GAMMA", size=3, default=(1, 1, 1)
@@ -240,13 +239,18 @@ class LightGroup(PropertyGroup):
     def origin(self) -> str:
         """The file that was read, and what was read otherwise than it stands there; "" if none was."""
         try:
-            return stored_spectrum(self.measured).source
+            return shining.stored_spectrum(self.measured).source
         except RelumeError:
             return ""
 
     @property
+    def is_tinted(self) -> bool:
+        """Whether there is a gel before the lamps."""
+        return min(self.tint) < 1.0
+
+    @property
     def label(self) -> str:
-        """What shines, in a few words."""
+        """What shines, in a few words, but for the gel before it."""
         if self.source == "PLANCKIAN":
             return f"Black body {self.temperature:.0f} K"
         if self.source == "DAYLIGHT":
@@ -261,7 +265,7 @@ class LightGroup(PropertyGroup):
 
     def spectrum(self) -> Spectrum:
         """What shines, as a Spectrum. Raises LibraryError, SpectrumError."""
-        return spectrum_of(choice(self))
+        return shining.spectrum_of(choice(self))
 
     def light(self) -> Light:
         """The `core.mix.Light` of this row alone. Raises as `spectrum` does."""
@@ -283,7 +287,17 @@ def is_touched(row) -> bool:
 def choice(row) -> dict:
     """All that a row of the mixer says, as a snapshot keeps it."""
     blend = [[part.illuminant, part.weight, *([part.measured] if part.measured else [])] for part in row.blend]
-    return {name: getattr(row, name) for name in _ROW} | {"blend": blend}
+    return {name: _plain(getattr(row, name)) for name in _ROW} | {"blend": blend}
+
+
+def _plain(value):
+    """A property's value as JSON has it."""
+    return value if isinstance(value, str) or not hasattr(value, "__len__") else list(value)
+
+
+def default(known):
+    """The default of a property, as JSON has it."""
+    return list(known.default_array) if getattr(known, "is_array", False) else known.default
 
 
 def choices(settings) -> dict:
@@ -295,18 +309,7 @@ def choices(settings) -> dict:
 def filled(struct, kept: dict) -> dict:
     """What was kept of a row of the mixer, or of the scene's settings, with the default of whatever it lacks."""
     names, blend = (_ROW, {"blend": kept.get("blend", [])}) if isinstance(struct, LightGroup) else (BALANCE, {})
-    return {name: kept.get(name, struct.bl_rna.properties[name].default) for name in names} | blend
-
-
-def spectrum_of(said: dict) -> Spectrum:
-    """The Spectrum that a row, as `choice` gives it, stands for. Raises LibraryError, SpectrumError."""
-    if said["source"] == "FILE":
-        return stored_spectrum(said["measured"])
-    if said["source"] == "BLEND":
-        parts = said["blend"]
-        return mixing.blend(tuple((part_spectrum(name, *measured), weight) for name, weight, *measured in parts))
-    named = {"PLANCKIAN": f"Planckian {said['temperature']:.0f} K", "DAYLIGHT": f"D {said['cct']:.0f} K"}
-    return library.illuminant(named.get(said["source"], said["illuminant"]))
+    return {name: kept.get(name, default(struct.bl_rna.properties[name])) for name in names} | blend
 
 
 def apply(settings, chosen: dict) -> list[str]:
@@ -338,7 +341,7 @@ def apply(settings, chosen: dict) -> list[str]:
 def _set(struct, values: dict) -> None:
     """Set what differs: what the artist never touched stays so."""
     for name, value in values.items():
-        if getattr(struct, name) != value:
+        if _plain(getattr(struct, name)) != value:
             setattr(struct, name, value)
 
 

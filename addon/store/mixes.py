@@ -16,7 +16,7 @@ from ...core.picture import mixing, recombination
 from ...core.picture.mix import Light, Mix
 from ...core.spectra.arrays import Array
 from ...core.spectra.spectrum import Spectrum, SpectrumError
-from . import mixer
+from . import mixer, shining
 
 __all__ = ["FILE", "at", "of", "of_choices", "stored_observer"]
 
@@ -54,7 +54,7 @@ def of_choices(said: dict, groups: Sequence[str], model: FactorModel | None = No
     """The Mix of the light groups of that name in what `mixer.choices` said. Raises RelumeError."""
     rows, balance = [said["light_groups"][name] for name in groups], said["balance"]
     gains = mixing.gains(*([row[name] for row in rows] for name in ("stops", "solo", "mute")))
-    lights = [Light(mixer.spectrum_of(row), float(gain)) for row, gain in zip(rows, gains, strict=True)]
+    lights = [Light(shining.spectrum_of(row), float(gain)) for row, gain in zip(rows, gains, strict=True)]
     observed = balance["observer"]
     mix = Mix(
         dict(zip(groups, lights, strict=True)),

@@ -14,7 +14,7 @@ from ...core.model.factor_model import FactorModel
 from ...core.spectra import files
 from . import changes, mixes, preferred
 from .mixer import CLASSES as MIXER_CLASSES
-from .mixer import LightGroup, Snapshot, mix_changed, reading
+from .mixer import LightGroup, Snapshot, is_quiet, mix_changed, quiet, reading
 from .mixes import FILE
 
 __all__ = ["AUTO", "CHANNELS", "CLASSES", "PREFILTERED", "LightGroup", "model_for", "register", "unregister"]
@@ -110,6 +110,14 @@ def _denoising_chosen(self, _) -> None:
         changes.tell(changes.PASSES, self.id_data)
 
 
+def _white_chosen(self, context) -> None:
+    """The white of a group starts with the first one."""
+    if self.white_source == "GROUP" and not self.white_group and self.lit and not is_quiet():
+        with quiet():
+            self.white_group = self.lit[0].name
+    mix_changed(self, context)
+
+
 class SceneSettings(PropertyGroup):
     channels: EnumProperty(
         name="Channels",
@@ -195,7 +203,7 @@ class SceneSettings(PropertyGroup):
             ("PIXEL", "A Picked Pixel", "The spot that was picked in the picture, in whatever light"),
         ],
         default="MIX",
-        update=mix_changed,
+        update=_white_chosen,
     )
     white_group: StringProperty(
         name="Group", description="The light group whose light becomes white", update=mix_changed
@@ -212,6 +220,7 @@ class SceneSettings(PropertyGroup):
         name="File",
         description="A file with wavelengths in nm and three sensitivities, in columns. They are kept in the scene",
         subtype="FILE_PATH",
+        options={"ANIMATABLE", "PATH_SUPPORTS_BLEND_RELATIVE"},
         update=reading(_observer, "observer_path", "observer_measured"),
     )
     observer_measured: StringProperty(options={"HIDDEN"})

@@ -27,14 +27,18 @@ class LightDial(NeedsSetUp, Operator):
     bl_label = "Light Dial"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
-    group: IntProperty(options={"HIDDEN"})
+    group: IntProperty(
+        default=-1, options={"HIDDEN", "SKIP_SAVE"}
+    )  # -1: the active one, else the first that is a blend
 
     def _row(self, context):
         return context.scene.relume.light_groups[self.group]
 
     def invoke(self, context, event) -> set[str]:
-        row = self._row(context)
-        if len(row.blend) < 2:
+        if self.group < 0:
+            self.group = _blend_in(context.scene.relume)
+        row = self._row(context) if self.group >= 0 else None
+        if row is None or len(row.blend) < 2:
             self.report({"ERROR"}, "the light dial needs two illuminants or more in the blend")
             return {"CANCELLED"}
         area = _picture_area(context)
@@ -110,6 +114,13 @@ class LightDial(NeedsSetUp, Operator):
         a, b = mixing.handle(weights).tolist()
         overlay.disc((x + radius * a, y + radius * b), 8 * scale, (0.0, 0.0, 0.0, 1.0))
         overlay.disc((x + radius * a, y + radius * b), 6 * scale, (1.0, 1.0, 1.0, 1.0))
+
+
+def _blend_in(settings) -> int:
+    """The number of the light group that the dial is meant for, where none was named; -1 for none."""
+    rows, active = settings.light_groups, settings.active_light_group
+    blends = [number for number, row in enumerate(rows) if row.source == "BLEND"]
+    return active if active in blends else next(iter(blends), -1)
 
 
 def _picture_area(context):

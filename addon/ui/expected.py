@@ -23,6 +23,7 @@ from ..scene.exr import current_file
 from ..store import mixer, properties
 from . import icons
 from .translation import said
+from .wrapping import is_narrow, words
 
 __all__ = ["CLASSES", "draw_dot", "draw_mix", "register", "unregister", "work_out"]
 
@@ -172,12 +173,14 @@ def draw_mix(layout, settings) -> None:
     text = said("Expected error …")
     if figures:
         text = said("ΔE {median:.2f} expected, 98 %: {p98:.2f}", median=found.median, p98=found.p98)
+        if is_narrow():
+            text = said("98 %: ΔE {p98:.2f}", p98=found.p98)
     dot = line.operator("relume.expected", text=text, emboss=False, **shown)
     dot.words = _words(found)
     if figures and found.level == expectation.LEVELS[-1]:
         better = _better(settings)
         if better:
-            layout.label(text=better, icon="LIGHT")
+            words(layout, better, icon="LIGHT")
 
 
 def _better(settings) -> str:

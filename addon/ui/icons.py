@@ -5,8 +5,9 @@ import bpy.utils.previews
 import numpy as np
 
 from ...core.picture import drawing
+from ...core.picture import scatter as scatter_plot
 
-__all__ = ["curves", "dot", "paint", "patch", "register", "swatch_and_curve", "unregister"]
+__all__ = ["curves", "dot", "paint", "patch", "register", "scatter", "swatch_and_curve", "unregister"]
 
 
 _previews = None
@@ -53,6 +54,12 @@ def curves(lines) -> int:
     """The icon of curves, (values (81,), sRGB (3,)) each. 0 in a Blender without a window."""
     key = "curves " + " ".join(f"{value:.3g}" for values, color in lines for value in (*values, *color))
     return _picture(key, lambda: drawing.lines(lines)) if lines else 0
+
+
+def scatter(points, marked: str) -> int:
+    """The icon of error against run time, of `core.picture.scatter.Point`. 0 in a Blender without a window."""
+    key = "scatter " + " ".join(f"{value:.3g}" for point in points for value in point[1:])
+    return _picture(key, lambda: scatter_plot.picture(points, marked))
 
 
 def _picture(key: str, draw) -> int:

@@ -8,8 +8,8 @@ import bpy
 from ...core.picture import plan
 from ..host import inventory
 from ..scene import content, view_layers
-from . import mixer_panels
 from .panel_places import in_both_places
+from .wrapping import words
 
 __all__ = ["CLASSES", "work_out"]
 
@@ -84,13 +84,13 @@ class _LeftOut:
         if _known[key] is None:
             self.layout.label(text="Looking at the scene …")
             return
-        mixer_panels.words(self.layout, "This scene does without, and what keeping it would cost:")
+        words(self.layout, "This scene does without, and what keeping it would cost:")
         for row in _known[key]:
             box = self.layout.box().column(align=True)
-            mixer_panels.words(box, row.what[:1].upper() + row.what[1:])
+            words(box, row.what[:1].upper() + row.what[1:], boxed=True)
             cost = box.column(align=True)
             cost.active = False
-            mixer_panels.words(cost, row.cost)
+            words(cost, row.cost, boxed=True)
 
 
 CLASSES = in_both_places(_LeftOut, "left_out")

@@ -17,6 +17,7 @@ from ..graph import glass, places, spectra
 from . import icons, own_spectra
 from .mixer_operators import reporting
 from .translation import said
+from .wrapping import words
 
 __all__ = [
     "CLASSES",
@@ -219,9 +220,7 @@ class MaterialPanel(Panel):
             node = material.node_tree.nodes[name]
             chosen = places.chosen_at(node, identifier, takes)
             column = layout.column(align=True)
-            column.label(
-                text=f"{node.label or name}: {places.socket_of(node, identifier).name}" if identifier else name
-            )
+            words(column, f"{node.label or name}: {places.socket_of(node, identifier).name}" if identifier else name)
             row = column.row(align=True)
             buttons = [row.operator("relume.assign_spectrum", text=chosen or said(_WORDS[takes]), icon="DOWNARROW_HLT")]
             buttons.append(row.operator("relume.assign_spectrum_file", text="", icon="FILEBROWSER"))

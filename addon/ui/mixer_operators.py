@@ -1,20 +1,14 @@
 """What the mixer's buttons do."""
 
-import json
 from collections.abc import Callable
 from functools import wraps
-from pathlib import Path
 
-import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from ...core.errors import RelumeError, SetupError
-from ...core.picture import drawing
-from ...core.spectra import files, library
-from ..scene import comparison, compositing, light_groups, setup
+from ..scene import comparison, compositing, light_groups, mix_edits, setup
 from ..store import mixer, schema
-from . import icons, own_spectra, translation
 
 __all__ = ["CLASSES", "NeedsSetUp", "reporting"]
 
@@ -47,69 +41,6 @@ def reporting(work: Callable[..., None]) -> Callable[..., set[str]]:
     return execute
 
 
-_ITEMS, _ITEMS_IN = [], {}  # Blender keeps no reference to the strings; the language that they are in
-
-
-def _illuminants(self=None, context=None):
-    """Every named illuminant with its family, icon and number, as a menu wants them."""
-    locale = bpy.app.translations.locale
-    if _ITEMS_IN.get("locale") != locale:
-        _ITEMS_IN["locale"] = locale
-        _ITEMS.clear()
-        for family, names in library.illuminants().items():
-            for name in names:
-                spectrum = library.illuminant(name)
-                icon = icons.swatch_and_curve(drawing.curve(spectrum).tolist(), drawing.swatch(spectrum).tolist())
-                _ITEMS.append((name, translation.illuminant(name), family, icon, len(_ITEMS)))
-    return [*_ITEMS, *_own_lamps()] if own_spectra.listed(own_spectra.LAMPS) else _ITEMS
-
-
-_OWN = {}  # the files, by those that were listed: Blender keeps no reference to the strings
-
-
-def _own_lamps() -> list[tuple]:
-    """The files of the user's own folder of lamps, as `_illuminants` gives its items."""
-    found = own_spectra.listed(own_spectra.LAMPS)
-    if _OWN.get("files") is not found:
-        items = [(path, f"{name}  (own)", path, 0, len(_ITEMS) + k) for k, (path, name) in enumerate(found)]
-        _OWN.update(files=found, items=items)
-    return _OWN["items"]
-
-
-class ChooseIlluminant(Operator):
-    """Choose the spectrum of the lamps in this light group. The picture follows without rendering"""
-
-    # An operator, because Blender's own search field leaves no undo step
-    bl_idname = "relume.choose_illuminant"
-    bl_label = "Illuminant"
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
-    bl_property = "illuminant"
-
-    illuminant: EnumProperty(name="Illuminant", items=_illuminants)
-    group: IntProperty(options={"HIDDEN"})
-    part: IntProperty(options={"HIDDEN"}, default=-1)
-
-    def invoke(self, context, event) -> set[str]:
-        context.window_manager.invoke_search_popup(self)
-        return {"INTERFACE"}
-
-    @reporting
-    def execute(self, context) -> None:
-        row = context.scene.relume.light_groups[self.group]
-        part = row.blend[self.part] if self.part >= 0 else None
-        name, measured = self.illuminant, ""
-        if own_spectra.is_own(name):  # a file of the user's own folder
-            name, measured = Path(name).stem, json.dumps(files.illuminant(name).to_dict())
-        with mixer.quiet():
-            if part is not None:
-                part.illuminant, part.measured = name, measured
-            elif measured:
-                row.path, row.measured, row.source = self.illuminant, measured, "FILE"
-            else:
-                row.source, row.illuminant = "LIBRARY", name
-        mixer.mix_changed(row, context)
-
-
 class ChangeBlend(NeedsSetUp, Operator):
     """Add an illuminant to this blend, or take one out"""
 
@@ -128,6 +59,20 @@ class ChangeBlend(NeedsSetUp, Operator):
             row.blend.remove(self.part)
         mixer.mix_changed(row, context)
         return {"FINISHED"}
+
+
+class MoveGroup(NeedsSetUp, Operator):
+    """Move this light group up or down in the mixer"""
+
+    bl_idname = "relume.move_group"
+    bl_label = "Move Light Group"
+
+    group: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
+    down: BoolProperty(name="Down", options={"SKIP_SAVE"})
+
+    @reporting
+    def execute(self, context) -> None:
+        mix_edits.move(context.scene, self.group, 1 if self.down else -1)
 
 
 class Regroup(NeedsSetUp, Operator):
@@ -186,13 +131,17 @@ class TakeSnapshot(NeedsSetUp, Operator):
     bl_label = "Take Snapshot"
 
     def execute(self, context) -> set[str]:
-        settings = context.scene.relume
-        taken = {snapshot.name for snapshot in settings.snapshots}
-        number = next(n for n in range(1, len(taken) + 2) if f"Mix {n}" not in taken)
-        snapshot = settings.snapshots.add()
-        snapshot.name, snapshot.mix = f"Mix {number}", schema.snapshot_text(mixer.choices(settings))
-        settings.active_snapshot = len(settings.snapshots) - 1
+        _take_snapshot(context.scene.relume)
         return {"FINISHED"}
+
+
+def _take_snapshot(settings):
+    taken = {snapshot.name for snapshot in settings.snapshots}
+    number = next(n for n in range(1, len(taken) + 2) if f"Mix {n}" not in taken)
+    snapshot = settings.snapshots.add()
+    snapshot.name, snapshot.mix = f"Mix {number}", schema.snapshot_text(mixer.choices(settings))
+    settings.active_snapshot = len(settings.snapshots) - 1
+    return snapshot
 
 
 class _OfSnapshot(NeedsSetUp):
@@ -237,8 +186,8 @@ class ApplySnapshot(_OfSnapshot, Operator):
             self.report({"WARNING"}, f"the mixer has no light group {', '.join(missing)}: the rest is applied")
 
 
-class Compare(_OfSnapshot, Operator):
-    """Show this snapshot in the right part of the picture, beside the mixer's"""
+class Compare(NeedsSetUp, Operator):
+    """Show this snapshot in the right part of the picture, beside the mixer's. Where there is none, one is taken"""
 
     bl_idname = "relume.compare"
     bl_label = "Compare with Snapshot"
@@ -250,7 +199,9 @@ class Compare(_OfSnapshot, Operator):
             comparison.end(scene)
             settings.comparing = ""
             return
-        snapshot = self.chosen(context)
+        chosen = settings.active_snapshot
+        kept = settings.snapshots
+        snapshot = kept[chosen] if 0 <= chosen < len(kept) else _take_snapshot(settings)
         try:
             compositing.compare(scene, setup.matrices_of(scene, schema.snapshot(snapshot.mix)))
         except RelumeError as error:
@@ -274,8 +225,8 @@ class WriteToLights(NeedsSetUp, Operator):
 
 
 CLASSES = (
-    ChooseIlluminant,
     ChangeBlend,
+    MoveGroup,
     Regroup,
     AddLights,
     RemoveEmptyGroups,

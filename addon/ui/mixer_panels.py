@@ -1,18 +1,18 @@
 """The mixer as it is drawn: light groups, white balance, snapshots, animation. Reads only what is at hand."""
 
-import textwrap
-
-import bpy
 from bpy.types import Menu, UIList
 
 from ...core.picture.coefficients import EVERYTHING_ELSE
+from ..host import animation
 from ..store.mixer import CURVE
-from . import expected, icons
+from . import expected, icons, illuminants
 from .translation import illuminant, said
+from .wrapping import is_narrow, words
 
-__all__ = ["CLASSES", "MANY", "draw", "words"]
+__all__ = ["CLASSES", "MANY", "draw"]
 
 MANY = 8  # light groups that stand one below the other; more are a list
+_PATH = "relume.light_groups"  # of the rows, as animation names them
 _ROW_BUTTONS = {
     "relume.select_lights": "RESTRICT_SELECT_OFF",
     "relume.copy_illuminant": "COPYDOWN",
@@ -42,20 +42,28 @@ def draw(layout, settings) -> None:
 
 def _draw_list(layout, settings) -> None:
     """Many groups: a list that scrolls, and below it the group that is chosen there."""
-    layout.template_list(
+    index = settings.active_light_group
+    row = settings.light_groups[index] if 0 <= index < len(settings.light_groups) else None
+    line = layout.row()
+    line.template_list(
         "RELUME_UL_light_groups", "", settings, "light_groups", settings, "active_light_group", rows=6, maxrows=10
     )
-    index = settings.active_light_group
-    if 0 <= index < len(settings.light_groups):
-        row = settings.light_groups[index]
+    if row is not None:
+        _draw_moves(line.column(align=True), row)
         box = layout.box().column(align=True)
         box.use_property_split = False
         icon = icons.swatch_and_curve(row.get(CURVE, ()), row.swatch)
         line = box.row(align=True)
         line.label(text=row.name, translate=False)
-        _draw_level(line, row)
+        _draw_level(box.row(align=True) if is_narrow() else line, row, dot=True)
         _draw_illuminant(box, settings, row, index, icon)
         _draw_details(box, row, index, icon)
+
+
+def _draw_moves(layout, row) -> None:
+    for down in (False, True):
+        moved = layout.operator("relume.move_group", text="", icon="TRIA_DOWN" if down else "TRIA_UP")
+        moved.group, moved.down = row.name, down
 
 
 class LightGroupList(UIList):
@@ -70,22 +78,44 @@ class LightGroupList(UIList):
             line.label(text=row.name, **shown)
         else:
             line.prop(row, "name", text="", emboss=False, **shown)
-        _draw_level(line, row, unit="")
+        if is_narrow():
+            _draw_switches(line, row)
+        else:
+            _draw_level(line, row, unit="")
 
 
 def _sounds(settings, row) -> bool:
     return row.is_lit and not row.mute and (row.solo or not any(other.solo for other in settings.lit))
 
 
-def _draw_level(line, row, unit: str = "EV") -> None:
-    """The gain of a group with its unit, solo and mute."""
-    gain = line.row(align=True)
-    gain.ui_units_x = 7.2
+def _draw_dotted(layout, struct, name: str, **options) -> None:
+    """A value, and the dot that keys it."""
+    line = layout.row(align=True)
+    line.prop(struct, name, **options)
+    line.prop_decorator(struct, name)
+
+
+def _draw_level(line, row, unit: str = "EV", dot: bool = False) -> None:
+    """The gain of a group with its unit, and with the dot that keys it, solo and mute."""
+    if is_narrow():
+        line = line.split(factor=0.5, align=True)
+        gain, line = line.row(align=True), line.row(align=True)
+    else:
+        gain = line.row(align=True)
+        gain.ui_units_x = 7.2
     gain.prop(row, "stops", text="")
     if unit:
         label = line.row(align=True)
         label.ui_units_x = 1.3
         label.label(text=unit)
+    if dot:
+        key = line.row(align=True)
+        key.ui_units_x = 1.0
+        key.prop_decorator(row, "stops")
+    _draw_switches(line, row)
+
+
+def _draw_switches(line, row) -> None:
     line.prop(row, "solo", text="", icon="SOLO_ON" if row.solo else "SOLO_OFF")
     line.prop(row, "mute", text="", icon="HIDE_ON" if row.mute else "HIDE_OFF")
 
@@ -101,17 +131,23 @@ def _shining(row) -> str:
     return said(row.label) if row.source == "FILE" else illuminant(row.label)
 
 
+def _gelled(words: str, row) -> str:
+    return said("{lamp} + gel", lamp=words) if row.is_tinted else words
+
+
 def _draw_illuminant(box, settings, row, index: int, icon: int) -> None:
     # The name of an illuminant can be long: it has the whole width
     line = box.row(align=True)
     expected.draw_dot(line, settings, row)
     chosen = line.operator(
         "relume.choose_illuminant",
-        text=_shining(row),
+        text=_gelled(_shining(row), row),
         translate=False,
         **({"icon_value": icon} if icon else {"icon": "LIGHT"}),
     )
     chosen.group, chosen.part = index, -1
+    line.context_pointer_set(illuminants.ROW, row)
+    line.menu("RELUME_MT_families", text="", icon="DOWNARROW_HLT")
 
 
 def _draw_row(layout, settings, row, index: int) -> None:
@@ -127,31 +163,50 @@ def _draw_row(layout, settings, row, index: int) -> None:
         line.prop(row, "name", text="")
     if not row.is_lit:
         line.label(text="no lights")
-    _draw_level(line, row)
+    scene = row.id_data
+    moves = animation.has_any(scene) and animation.is_animated(scene, f"{_PATH}[{index}].stops")
+    if is_narrow():
+        line = box.row(align=True)
+        line.active = _sounds(settings, row)
+    _draw_level(line, row, dot=row.is_open or moves)
     _draw_illuminant(box, settings, row, index, icon)
     if row.is_open:
-        _draw_details(box, row, index, icon)
+        _draw_details(box, row, index, icon, is_alone=True)
 
 
-def _draw_details(box, row, index: int, icon: int) -> None:
+def _draw_details(box, row, index: int, icon: int, is_alone: bool = False) -> None:
     box.separator(factor=0.5)
     box.prop(row, "source", text="")
     if row.source == "PLANCKIAN":
-        box.prop(row, "temperature", slider=True)
+        _draw_dotted(box, row, "temperature", slider=True)
     elif row.source == "DAYLIGHT":
-        box.prop(row, "cct", slider=True)
+        _draw_dotted(box, row, "cct", slider=True)
     elif row.source == "FILE":
         box.prop(row, "path", text="")
         if row.origin:
-            words(box, said("From {file}", file=row.origin))
+            words(box, said("From {file}", file=row.origin), boxed=True)
     elif row.source == "BLEND":
         _draw_blend(box, row, index)
+    _draw_gel(box, row)
     if icon:
         box.template_icon(icon_value=icon, scale=5.0)
+    sign = "NONE" if is_narrow() else "ADD"
+    box.operator("relume.add_lights", text="Add Selected Lights", icon=sign).group = row.name
     line = box.row(align=True)
-    line.operator("relume.add_lights", text="Add Selected Lights", icon="ADD").group = row.name
+    line.alignment = "CENTER"
     for name, sign in _ROW_BUTTONS.items():
         line.operator(name, text="", icon=sign).group = row.name
+    if is_alone:
+        _draw_moves(line, row)
+
+
+def _draw_gel(box, row) -> None:
+    line = box.row(align=True)
+    line.label(text="Gel")
+    gel = line.row(align=True)
+    gel.ui_units_x = 6.0
+    gel.prop(row, "tint", text="")
+    line.prop_decorator(row, "tint")
 
 
 def _draw_blend(box, row, index: int) -> None:
@@ -159,10 +214,10 @@ def _draw_blend(box, row, index: int) -> None:
         line = box.row(align=True)
         chosen = line.operator("relume.choose_illuminant", text=illuminant(part.illuminant), translate=False)
         chosen.group, chosen.part = index, number
-        line.prop(part, "weight", text="", slider=True)
+        _draw_dotted(box if is_narrow() else line, part, "weight", text="", slider=True)
         removed = line.operator("relume.change_blend", text="", icon="REMOVE")
         removed.group, removed.part = index, number
-    line = box.row(align=True)
+    line = box.column(align=True) if is_narrow() else box.row(align=True)
     added = line.operator("relume.change_blend", text="Add Illuminant", icon="ADD")
     added.group, added.part = index, -1
     line.operator("relume.light_dial", text="Light Dial", icon="MESH_CIRCLE").group = index
@@ -173,7 +228,9 @@ def _draw_balance(layout, settings) -> None:
     header.label(text="White and Observer")
     if body is None:
         return
-    body.prop(settings, "white_balance")
+    line = body.row(align=True)
+    line.use_property_decorate = True
+    line.prop(settings, "white_balance")
     column = body.column()
     column.active = settings.white_balance > 0.0
     column.prop(settings, "white_source")
@@ -206,7 +263,9 @@ def _draw_snapshots(layout, settings) -> None:
     line.operator("relume.compare", text="Stop" if settings.comparing else "Compare", depress=bool(settings.comparing))
     if settings.comparing:
         body.label(text=said("Right of the line: {snapshot}", snapshot=settings.comparing), translate=False)
-        body.prop(settings, "wipe", slider=True)
+        line = body.row(align=True)
+        line.use_property_decorate = True
+        line.prop(settings, "wipe", slider=True)
     body.operator("relume.write_to_lights", icon="LIGHT")
 
 
@@ -222,21 +281,6 @@ def _draw_output(layout, settings) -> None:
         body.operator("relume.write_sidecar", icon="FILE_TEXT")
     body.operator("relume.relight_exr", icon="FILE_IMAGE")
     body.operator("relume.share_as_web_page", icon="URL")
-
-
-def _columns() -> int:
-    """How many letters fit beside each other where a panel is drawn."""
-    region = bpy.context.region
-    width = region.width / bpy.context.preferences.system.ui_scale if region else 260
-    return max(16, int(width / 6.8))
-
-
-def words(layout, text: str, alert: bool = False) -> None:
-    """A sentence, wrapped so that a narrow sidebar does not cut it."""
-    column = layout.column(align=True)
-    column.alert = alert
-    for line in textwrap.wrap(said(text), _columns()):
-        column.label(text=line, translate=False)
 
 
 class MixMenu(Menu):

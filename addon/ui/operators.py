@@ -10,7 +10,7 @@ from ...core.errors import RelumeError
 from ..host import interruption
 from ..scene import light_groups, linked, render_settings, setup
 from ..store import preferred
-from . import dial, files, inspector, mix_files, mixer_operators, web
+from . import dial, files, illuminants, inspector, mix_files, mixer_operators, web
 from .mixer_operators import NeedsSetUp, reporting
 
 __all__ = ["CLASSES", "register", "unregister"]
@@ -148,6 +148,7 @@ CLASSES = (
     MakeLocal,
     RemoveSpectralRender,
     *mixer_operators.CLASSES,
+    *illuminants.CLASSES,
     *mix_files.CLASSES,
     *dial.CLASSES,
     *inspector.CLASSES,

@@ -9,7 +9,7 @@ from bpy.utils import register_classes_factory
 
 from ..graph import nodes, places, spectra
 from ..scene import surfaces
-from ..store import mixer, palette
+from ..store import mixer, palette, shining
 from .palette_operators import OfPalette
 
 __all__ = ["CLASSES", "materials_of", "reflectance_of", "register", "takes_spectrum", "unregister"]
@@ -142,7 +142,7 @@ class AssignLights(OfPalette, Operator):
         from ...core.palette import beyond
 
         for light in lights if self.dial else [chosen]:
-            if told := beyond(mixer.stored_spectrum(light.spectrum)):
+            if told := beyond(shining.stored_spectrum(light.spectrum)):
                 self.report({"WARNING"}, told)
         row = rows[self.group]
         with mixer.quiet():

@@ -5,8 +5,8 @@ from bpy.utils import register_classes_factory
 
 from ..store import palette, palette_tables
 from . import icons, palette_demands, palette_trial
-from .mixer_panels import words
 from .translation import said
+from .wrapping import words
 
 __all__ = ["CLASSES", "register", "unregister"]
 

@@ -8,7 +8,7 @@ from bpy.utils import register_classes_factory
 from ...core.errors import RelumeError
 from ...core.picture import coefficients, recombination
 from ..scene import surfaces
-from ..store import mixer, mixes, palette, palette_tables
+from ..store import mixes, palette, palette_tables, shining
 from . import inspector, palette_entries
 from .palette_operators import OfPalette
 
@@ -103,7 +103,7 @@ class TryOn(Operator):
         wanted = [
             core.Worn(
                 row.material.name,
-                model.coefficients(mixer.stored_spectrum(row.spectrum)),
+                model.coefficients(shining.stored_spectrum(row.spectrum)),
                 surfaces.mirrors(row.material),
             )
             for row in rows

@@ -7,6 +7,7 @@ from ..scene import light_groups, render_settings
 from ..store.properties import AUTO, PREFILTERED
 from . import left_out, mixer_panels, preferences, remarks_panel, report_panel
 from .translation import said
+from .wrapping import words
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -30,13 +31,11 @@ class _Relume:
 
 
 def _draw_introduction(layout, settings) -> None:
-    column = layout.column(align=True)
-    column.label(text="Render the whole spectrum,")
-    column.label(text="choose the light afterwards.")
+    words(layout, "Render the whole spectrum, choose the light afterwards.")
     _draw_choice(layout, settings)
     layout.prop(settings, "grouping")
     if settings.grouping == "LIGHT":
-        mixer_panels.words(layout, said("More than {number} lights: by collection", number=light_groups.MOST))
+        words(layout, said("More than {number} lights: by collection", number=light_groups.MOST))
     row = layout.row()
     row.scale_y = 1.6
     row.operator("relume.set_up", icon="LIGHT_AREA")
@@ -53,11 +52,11 @@ def _draw_mixer(layout, settings) -> None:
         text = said("F12 renders 1 pass ({model})", model=name)
         if model.passes > 1:
             text = said("F12 renders {passes} passes ({model})", passes=model.passes, model=name)
-        layout.label(text=text, icon="RENDER_STILL", translate=False)
+        words(layout, text, icon="RENDER_STILL")
     if plan.get("changed"):
-        mixer_panels.words(layout, plan["changed"][:1].upper() + plan["changed"][1:])
+        words(layout, plan["changed"][:1].upper() + plan["changed"][1:])
     if plan.get("reason"):
-        mixer_panels.words(layout, plan["reason"])
+        words(layout, plan["reason"])
     if plan.get("request") != settings.request:
         row = layout.row()
         row.scale_y = 1.4

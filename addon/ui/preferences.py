@@ -11,6 +11,7 @@ from bpy.types import AddonPreferences, Menu, Operator, Panel
 
 from ..host.console import LOG
 from ..store import preferred, properties
+from . import keys
 
 __all__ = ["CLASSES", "register", "unregister"]
 
@@ -58,6 +59,7 @@ class RelumePreferences(AddonPreferences):
         description="A folder of measured reflectances: its files stand in the search of spectra of materials",
         subtype="DIR_PATH",
     )
+    favourites: StringProperty(options={"HIDDEN"})  # names of illuminants, a line each
     log_level: EnumProperty(
         name="Log", description="What Relume says on the terminal", items=_LEVELS, default="WARNING", update=_log
     )
@@ -74,6 +76,9 @@ class RelumePreferences(AddonPreferences):
         column.prop(self, "lamp_folder")
         column.prop(self, "paint_folder")
         layout.prop(self, "log_level")
+        column = layout.column()
+        column.label(text="Keys")
+        keys.draw(column, context)
 
 
 class PresetsMenu(Menu):

@@ -2,9 +2,9 @@
 
 from ..graph import sockets
 from ..store.remarks import REMARKS, of
-from .mixer_panels import words
 from .panel_places import in_both_places
 from .translation import said
+from .wrapping import words
 
 __all__ = ["CLASSES"]
 
@@ -28,7 +28,7 @@ class _Remarks:
             places.setdefault(remark.why, []).append(remark)
         for why, remarks in places.items():
             box = self.layout.box().column(align=True)
-            words(box, why[:1].upper() + why[1:])
+            words(box, why[:1].upper() + why[1:], boxed=True)
             for remark in remarks[:_SHOWN]:
                 row = box.row()
                 row.active = False

@@ -6,16 +6,20 @@ import bpy
 from bpy.props import IntProperty, StringProperty
 from bpy.types import Operator
 
+from ...core.picture import scatter
 from ..cli import background
 from ..host import viewing
-from . import mixer_panels
+from . import icons
 from .panel_places import in_both_places
 from .translation import said
+from .wrapping import words
 
 __all__ = ["CLASSES", "end"]
 
+_MARKED = "automatic"
 _SECONDS = 0.5  # between two looks at the report
 _SHOWN = 12  # rows of its table
+_PICTURES = 24  # renders of the scene that a report takes: each model three times, the reference of twelve passes
 
 
 def _follow() -> float | None:
@@ -39,7 +43,11 @@ pictures. What is rendered already is not rendered again"""
         name="Samples", description="Per pixel, shared among the passes; 0: as many as the scene has", default=0, min=0
     )
     folder: StringProperty(
-        name="Folder", description="Where the report is written", default="//report", subtype="DIR_PATH"
+        name="Folder",
+        description="Where the report is written",
+        default="//report",
+        subtype="DIR_PATH",
+        options={"OUTPUT_PATH", "PATH_SUPPORTS_BLEND_RELATIVE"},  # else it is red while it is not there
     )
 
     @classmethod
@@ -51,7 +59,19 @@ pictures. What is rendered already is not rendered again"""
         return report is None or not report.is_running
 
     def invoke(self, context, event) -> set[str]:
+        self.samples = self.samples or context.scene.cycles.samples
         return context.window_manager.invoke_props_dialog(self, confirm_text="Make Report")
+
+    def draw(self, context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("percent", "samples", "folder"):
+            layout.prop(self, name)
+        render = context.scene.render
+        part = render.resolution_percentage and self.percent / render.resolution_percentage
+        layout.label(
+            text=said("As long as about {number} of your renders", number=f"{_PICTURES * part**2:.2g}"), icon="TIME"
+        )
 
     def execute(self, context) -> set[str]:
         folder = Path(bpy.path.abspath(self.folder))
@@ -89,29 +109,48 @@ class _Report:
         layout, report = self.layout, background.current()
         if report is not None and report.is_running:
             layout.progress(factor=report.part, text=report.words)
+            if report.seconds_left is not None:
+                layout.label(text=said("About {time} left", time=_time(report.seconds_left)), icon="TIME")
             layout.operator("relume.stop_report", icon="CANCEL")
             return
         layout.operator("relume.report", text="Make Report …", icon="TEXT")
+        if not bpy.data.filepath:
+            words(layout, "Save the file first: a second Blender opens it.")
         if report is None:
-            mixer_panels.words(layout, "Error against run time of this scene, for every model.")
+            words(layout, "Error against run time of this scene, for every model.")
         elif not report.rows:
-            mixer_panels.words(layout, said("Report: {words}", words=report.words), alert=True)
+            words(layout, said("Report: {words}", words=report.words), alert=True)
         else:
             _draw_rows(layout, report)
 
 
 def _draw_rows(layout, report: background.Report) -> None:
+    shown = report.rows[:_SHOWN]
+    points = [scatter.Point(r["name"], r["seconds"], r["total"]["p98"], r["model"]["p98"]) for r in shown]
+    plot = icons.scatter(points, _MARKED)
+    if plot:
+        layout.template_icon(icon_value=plot, scale=9.0)
+        words(layout, "Up: ΔE, with noise a dot, without a dash. Across: seconds. The bright line is ΔE 1.")
     column = layout.column(align=True)
-    cells = [("", "seconds", "ΔE")]
-    cells += [(r["name"], f"{r['seconds']:.3g}", f"{r['model']['p98']:.2f}") for r in report.rows[:_SHOWN]]
-    for name, *numbers in cells:
-        line = column.split(factor=0.5)
-        line.label(text=name)
-        line = line.row()
-        for number in numbers:
-            line.label(text=number)
-    mixer_panels.words(layout, "ΔE2000 to the reference, 98th percentile")
+    _draw_cells(column, "", "s", "ΔE", {})
+    for row, colour in zip(shown, scatter.colours(points, _MARKED), strict=True):
+        icon = icons.patch(colour, colour, colour)
+        drawn = {"icon_value": icon} if icon else {}
+        _draw_cells(column, row["name"], f"{row['seconds']:.3g}", f"{row['model']['p98']:.2f}", drawn)
+    words(layout, "ΔE2000 to the reference, 98th percentile")
     layout.operator("wm.path_open", text="Open Folder", icon="FILE_FOLDER").filepath = str(report.folder)
+
+
+def _draw_cells(column, name: str, seconds: str, error: str, icon: dict) -> None:
+    line = column.split(factor=0.58)
+    line.label(text=name, **icon)
+    line = line.row()
+    for number in (seconds, error):
+        line.label(text=number)
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 CLASSES = (MakeReport, StopReport, *in_both_places(_Report, "report"))

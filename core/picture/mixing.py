@@ -9,13 +9,14 @@ from functools import lru_cache
 
 import numpy as np
 
+from ..colour.spaces import srgb_decoded
 from ..errors import UsageError
-from ..model import relight
+from ..model import relight, upsample
 from ..spectra import library
 from ..spectra.arrays import Array
 from ..spectra.spectrum import WAVELENGTHS, Spectrum, SpectrumError
 
-__all__ = ["anchors", "blend", "gain", "gains", "handle", "stops", "weights"]
+__all__ = ["anchors", "blend", "gain", "gains", "handle", "stops", "tinted", "weights"]
 
 
 def gain(stops: float) -> float:
@@ -65,6 +66,26 @@ def blend(parts: tuple[tuple[Spectrum, float], ...]) -> Spectrum:
             power += weight / total * values / (values @ luminous[:, 1])
     shares = [f"{weight / total:.0%} {illuminant.name}" for illuminant, weight in parts if weight > 0.0]
     return Spectrum(WAVELENGTHS, power, " + ".join(shares), "illuminant", "blend")
+
+
+@lru_cache(maxsize=1024)
+def tinted(illuminant: Spectrum, colour: tuple[float, float, float]) -> Spectrum:
+    """An illuminant behind a gel of a colour, sRGB 0..1: its transmittance is what the colour is as a spectrum.
+
+    White leaves the illuminant as it is. Raises SpectrumError for black.
+
+    >>> red = tinted(library.illuminant("A"), (1.0, 0.2, 0.1))
+    >>> red.name
+    'A, gel #ff331a'
+    """
+    if min(colour) >= 1.0:
+        return illuminant
+    passed = upsample.rgb_spectra() @ srgb_decoded(np.clip(np.asarray(colour, float), 0.0, 1.0))
+    if not passed.max() > 0.0:
+        raise SpectrumError("a black gel lets no light through: choose a lighter colour")
+    values = illuminant.values * np.interp(illuminant.wavelengths, WAVELENGTHS, passed / passed.max())
+    words = "".join(f"{round(255 * float(np.clip(part, 0.0, 1.0))):02x}" for part in colour)
+    return Spectrum(illuminant.wavelengths, values, f"{illuminant.name}, gel #{words}", "illuminant", illuminant.source)
 
 
 def anchors(count: int) -> Array:

@@ -10,6 +10,7 @@ from relume.addon.graph import nodes, spectra
 from relume.addon.host import asset_library
 from relume.addon.scene import follower, render, setup
 from relume.assets import library as assets
+from relume.assets import library_ground
 from relume.core.colour import differences, spaces
 from relume.core.model import bases, relight
 from relume.core.spectra import library
@@ -65,6 +66,7 @@ def test_a_paint_shows_its_colour_in_a_scene_that_is_not_set_up(startup):
     tree = spectrum_in(bpy.data.materials[RED])
     colour = next(node for node in tree.nodes if node.type == "RGB").outputs[0].default_value[:3]
     assert colour == pytest.approx(spaces.daylight_rgb(library.reflectance("ColorChecker: red")), abs=1e-6)
+    assert bpy.data.materials[RED].diffuse_color[:3] == pytest.approx(colour, abs=1e-6), "the solid viewport too"
 
 
 def test_a_paint_is_spectral_in_a_scene_that_is_set_up(startup):
@@ -178,6 +180,64 @@ def test_water_absorbs_as_beer_and_lambert_say(tmp_path):
     )
     assert seen[2, 2] == pytest.approx(expected, rel=2e-3)
     assert expected.min() < 0.3 and expected.max() > 0.8
+
+
+def test_a_thin_film_reflects_as_airy_says(tmp_path):
+    """From above, of each thickness: the colour of the formula at every wavelength, but for what nobody sees."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    bpy.ops.object.camera_add(location=(0, 0, 5))
+    scene.camera, scene.render.engine = bpy.context.object, "CYCLES"
+    scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 4.0
+    scene.render.resolution_x = scene.render.resolution_y = 4
+    scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.pixel_filter_type = 6, False, "BOX"
+    group, thicknesses = append("node_groups", "Thin Film"), (120.0, 250.0, 400.0, 600.0)
+    for place, thickness in enumerate(thicknesses):
+        bpy.ops.mesh.primitive_plane_add(size=1, location=(place - 1.5, 0, 0))
+        bpy.context.object.scale.y = 4.0
+        material = bpy.data.materials.new("film")
+        bpy.context.object.data.materials.append(material)
+        tree = material.node_tree
+        film, shine = tree.nodes.new("ShaderNodeGroup"), tree.nodes.new("ShaderNodeEmission")
+        film.node_tree, film.inputs["Thickness"].default_value = group, thickness
+        shine.inputs["Strength"].default_value = 10.0
+        tree.links.new(film.outputs["Color"], shine.inputs["Color"])
+        tree.links.new(shine.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    setup.set_up(scene, bases.fitted(12))
+    rendered = render.render(scene, tmp_path).image
+    (seen,) = rendered.groups.values()
+    reflected = ((1.33 - 1) / (1.33 + 1)) ** 2
+    finesse = 4 * reflected / (1 - reflected) ** 2
+    weights = relight.power_weights(library.illuminant("D65").sampled(), library.observer())
+    white = weights.sum(axis=0)
+    for place, thickness in enumerate(thicknesses):
+        wave = finesse * np.sin(2 * np.pi * 1.33 * thickness / WAVELENGTHS) ** 2
+        truth = (10 * wave / (1 + wave)) @ weights
+        shown = rendered.model.relight(library.illuminant("D65")) @ seen[2, place]
+        assert differences.delta_E_2000(shown, truth, white) < 1, thickness
+
+
+def test_a_laser_shines_in_one_wavelength_and_has_its_colour_before(startup):
+    laser = append("objects", "Laser, green (532 nm)")
+    startup.collection.objects.link(laser)
+    red, green, blue = laser.data.color
+    assert green > 0.9 and red < 0.1 and blue < 0.1, "without Relume it is green"
+    setup.set_up(startup, bases.fitted(6))
+    row = startup.relume.light_groups[laser.lightgroup]
+    assert row.illuminant == "532 nm" and row.spectrum().wavelengths.tolist() == [532.0]
+
+
+def test_what_was_measured_outdoors_is_what_the_file_says(startup):
+    brick = spectra.spectra_of(spectrum_in(append("materials", "Brick, red")))["Color"]
+    table = np.genfromtxt(library_ground.PATH, delimiter=",", names=True, deletechars="")
+    assert brick.values == pytest.approx(table["mobrmg.003-"], abs=1e-6)
+    assert brick.wavelengths.tolist() == table["nm"].tolist() == list(np.arange(400.0, 801.0, 10.0))
+
+
+def test_every_kind_of_surface_has_a_catalogue(startup):
+    listed = assets.PATH.with_name(assets.CATALOGUES).read_text(encoding="utf-8")
+    for kind in ("Skin", "Nature", "Textiles", "Plastics", "Ground", "Wood", "Building", "Paints/Red", "Metals"):
+        assert f":Relume/Materials/{kind}:" in listed
 
 
 @pytest.mark.parametrize(("paint", "light"), [("Neutral 5", "D65"), ("Blue flower", "A"), ("Light skin", "FL2")])

@@ -32,6 +32,7 @@ def change(scene, measured):
     """Choose something in every row, and a white."""
     tungsten, fluorescent = scene.relume.light_groups
     tungsten.path, tungsten.source, tungsten.stops = str(measured), "FILE", -1.5
+    tungsten.tint = (1.0, 0.5, 0.25)
     fluorescent.source = "BLEND"
     fluorescent.blend[1].weight = 0.5
     scene.relume.white_balance, scene.relume.observer = 0.5, "CIE 1964 10°"

@@ -78,6 +78,61 @@ def test_every_kind_of_illuminant_reaches_the_sockets(ready, tmp_path):
     assert ready.relume.problem == "", "the spectrum of a file is kept in the scene"
 
 
+def test_a_gel_colours_the_light_of_its_group_alone_and_is_part_of_the_mix(ready):
+    row, other = ready.relume.light_groups
+    row.tint = (1.0, 0.3, 0.1)
+    behind = Light(mixing.tinted(library.illuminant("A"), tuple(row.tint)))
+    assert np.allclose(sockets(ready), expected(ready, [behind, other.light()]), atol=1e-5)
+    assert bpy.ops.relume.take_snapshot() == {"FINISHED"}
+    bpy.ops.relume.copy_illuminant(group="tungsten")
+    bpy.ops.relume.reset_mix(group="tungsten")
+    assert not row.is_tinted and np.allclose(sockets(ready), expected(ready, ready.relume.lights()), atol=1e-5)
+    assert bpy.ops.relume.apply_snapshot() == {"FINISHED"}
+    assert np.allclose(sockets(ready), expected(ready, [behind, other.light()]), atol=1e-5)
+    row.tint = (0.0, 0.0, 0.0)
+    assert "lets no light through" in ready.relume.problem
+    row.tint = (1.0, 1.0, 1.0)
+    assert ready.relume.problem == ""
+    assert light_groups.regroup(ready, "ILLUMINANT") == 2
+
+
+def test_a_gel_takes_keyframes(ready):
+    row = ready.relume.light_groups[0]
+    for frame, colour in ((1, (1.0, 1.0, 1.0)), (10, (1.0, 0.2, 0.1))):
+        row.tint = colour
+        row.keyframe_insert("tint", frame=frame)
+    ready.frame_set(1)
+    plain = sockets(ready)
+    ready.frame_set(10)
+    assert np.abs(sockets(ready)[0] - plain[0]).max() > 0.05 and np.allclose(sockets(ready)[1], plain[1])
+
+
+def test_rows_stay_where_they_are_moved_and_keep_their_light_and_their_keys(ready, tmp_path):
+    before = composite(ready, tmp_path / "a.exr")
+    row = ready.relume.light_groups["tungsten"]
+    for frame, stops in ((1, 0.0), (10, -2.0)):
+        row.stops = stops
+        row.keyframe_insert("stops", frame=frame)
+    ready.frame_set(1)
+    assert bpy.ops.relume.move_group(group="tungsten", down=True) == {"FINISHED"}
+    rows = ready.relume.light_groups
+    assert [row.name for row in rows] == ["fluorescent", "tungsten"]
+    assert np.allclose(sockets(ready), expected(ready, ready.relume.lights()), atol=1e-5)
+    assert close(composite(ready, tmp_path / "b.exr"), before)
+    ready.frame_set(10)
+    assert (rows["tungsten"].stops, rows["fluorescent"].stops) == (-2.0, 0.0), "keys follow the row"
+    assert bpy.ops.relume.set_up() == {"FINISHED"}
+    assert [row.name for row in ready.relume.light_groups] == ["fluorescent", "tungsten"]
+    bpy.ops.relume.move_group(group="tungsten", down=True)
+    assert [row.name for row in ready.relume.light_groups] == ["fluorescent", "tungsten"], "there is nothing below"
+    lamp = bpy.data.objects.new("third", bpy.data.lights.new("third", "POINT"))
+    ready.collection.objects.link(lamp)
+    ready.view_layers[0].lightgroups.add(name="third")
+    lamp.lightgroup = "third"
+    setup.update(ready)
+    assert [row.name for row in ready.relume.light_groups] == ["fluorescent", "tungsten", "third"]
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -155,6 +210,11 @@ def test_white_balance_to_a_group_to_a_pixel_and_in_part(ready):
     assert np.ptp(seen) < 1e-3 * seen.mean(), "a picked spot stays white when the light changes"
     settings.white_source, settings.white_group = "GROUP", "moon"
     assert "no light group 'moon'" in settings.problem
+
+
+def test_the_white_of_a_group_starts_with_the_first_one(ready):
+    ready.relume.white_balance, ready.relume.white_source = 1.0, "GROUP"
+    assert ready.relume.white_group == "tungsten" and ready.relume.problem == ""
 
 
 @pytest.mark.parametrize("observer", ["CIE 1964 10°", "Nikon 5100 (NPL)"])

@@ -8,15 +8,16 @@ import bpy
 import pytest
 
 from relume.addon.store import preferred
-from relume.addon.ui import own_spectra
+from relume.addon.ui import illuminants, own_spectra
 from relume.addon.ui.preferences import PresetsMenu, RelumePreferences
+from relume.core.spectra import library
 
 
 @pytest.fixture
 def prefers(relume, monkeypatch, tmp_path):
     """Sets preferences, as a Blender with a window has them."""
     chosen = types.SimpleNamespace(
-        channels="auto", tolerance=1.0, lamp_folder="", paint_folder="", bl_rna=RelumePreferences.bl_rna
+        channels="auto", tolerance=1.0, lamp_folder="", paint_folder="", favourites="", bl_rna=RelumePreferences.bl_rna
     )
     monkeypatch.setattr(preferred, "of", lambda: chosen)
 
@@ -77,6 +78,32 @@ def test_folders_of_the_user_stand_in_the_searches(startup, prefers, tmp_path):
     assert own_spectra.listed(own_spectra.LAMPS) == []
 
 
+def test_favourites_come_first_in_the_search(startup, prefers):
+    every = [name for names in library.illuminants().values() for name in names]
+    assert [item[0] for item in illuminants._illuminants()] == every
+    bpy.ops.relume.set_up()
+    for name in ("HP1", "A"):
+        assert bpy.ops.relume.favourite(name=name) == {"FINISHED"}
+    offered = illuminants._illuminants()
+    assert [item[0] for item in offered[:2]] == ["HP1", "A"] and offered[0][1].startswith("★")
+    assert sorted(item[0] for item in offered) == sorted(every), "each once"
+    assert len({item[4] for item in offered}) == len(offered)
+    assert bpy.ops.relume.choose_illuminant(group=0, illuminant="A") == {"FINISHED"}
+    assert startup.relume.light_groups[0].illuminant == "A"
+    bpy.ops.relume.favourite(name="HP1")
+    assert [item[0] for item in illuminants._illuminants()[:2]] == ["A", every[0]]
+    bpy.ops.relume.favourite(name="A")
+
+
+def test_without_preferences_there_are_no_favourites(startup):
+    with pytest.raises(RuntimeError, match="enabled in a window"):
+        bpy.ops.relume.favourite(name="A")
+
+
+def test_the_menu_has_every_family():
+    assert tuple(library.illuminants()) == illuminants.FAMILIES
+
+
 @pytest.fixture
 def titled(monkeypatch):
     """Blender gives the menu the name of the preset that was chosen."""
@@ -108,3 +135,12 @@ def test_presets_that_ship_can_be_applied(startup, titled):
 def _folder(path):
     path.mkdir(parents=True, exist_ok=True)
     return str(path)
+
+
+def test_no_field_of_a_path_is_red_for_being_relative(startup):
+    """Blender shows a path in red that begins with // where the property does not say that it may."""
+    row = startup.relume.light_groups.add()
+    for known in (row.bl_rna.properties["path"], startup.relume.bl_rna.properties["observer_path"]):
+        assert known.is_path_supports_blend_relative
+    folder = bpy.ops.relume.report.get_rna_type().properties["folder"]
+    assert folder.is_path_supports_blend_relative and folder.is_path_output, "it need not be there before"

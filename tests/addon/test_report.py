@@ -39,7 +39,8 @@ def test_more_channels_err_less_and_take_more_passes(reported):
     assert [rows[name]["passes"] for name in ("RGB", "6 channels", "reference")] == [1, 2, 12]
     assert all(row["noise"] > 0 and row["seconds"] > 0 for row in rows.values())
     text = (folder / "report.md").read_text()
-    for name in ("error_over_time.png", "delta_e.png", "side_by_side.png"):
+    assert "](error_over_time.svg)" in text and "9 channels" not in (folder / "error_over_time.svg").read_text()
+    for name in ("delta_e.png", "side_by_side.png"):
         assert f"]({name})" in text
         picture = coefficients.read_rgb(folder / name)
         assert (np.ptp(picture, axis=2) > 0.1).any(), f"{name} has no colour"
@@ -123,7 +124,7 @@ def test_without_matplotlib_there_are_plain_pictures(reported, monkeypatch, capf
     assert all(f"]({name}.png)" in text for name in ("RGB", "automatic", "reference"))
     rgb, automatic, reference = (coefficients.read_rgb(folder / f"{n}.png") for n in ("RGB", "automatic", "reference"))
     assert np.abs(automatic - reference).mean() < np.abs(rgb - reference).mean() / 2
-    assert "error_over_time.png" not in text and "renders nothing again" in text
+    assert "](error_over_time.svg)" in text and "renders nothing again" in text
 
 
 def test_the_button_needs_a_saved_file(startup):

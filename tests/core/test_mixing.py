@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relume.core.model import bases
+from relume.core.colour.spaces import srgb_decoded
+from relume.core.model import bases, upsample
 from relume.core.picture import drawing, inspection, mixing, recombination, sequences
 from relume.core.picture.mix import Light, Mix
 from relume.core.spectra import library
@@ -21,6 +22,28 @@ def test_the_dial_weighs_and_finds_its_handle_again(count, angle, radius):
     if radius < np.cos(np.pi / count):
         assert np.allclose(handle, position, atol=1e-9)
     assert np.allclose(mixing.weights(handle, count), weights, atol=1e-6)
+
+
+@pytest.mark.parametrize("lamp", ["D65", "FL2", "LED-B3"])
+def test_a_gel_passes_what_its_colour_reflects(lamp):
+    """Behind a gel, a white has the colour that the gel's colour has as a surface in the lamp, whatever the lamp."""
+    illuminant, colour = library.illuminant(lamp), (0.9, 0.4, 0.2)
+    behind = mixing.tinted(illuminant, colour)
+    passed = upsample.rgb_spectra() @ srgb_decoded(np.array(colour))
+    power = illuminant.sampled() * passed
+    assert np.allclose(behind.sampled() / behind.sampled().sum(), power / power.sum(), atol=2e-4)
+    assert mixing.tinted(illuminant, (1.0, 1.0, 1.0)) is illuminant, "without a gel it is what it was"
+
+
+def test_a_line_stays_a_line_behind_a_gel():
+    behind = mixing.tinted(library.illuminant("589 nm"), (0.9, 0.4, 0.2))
+    assert np.allclose(drawing.swatch(behind), drawing.swatch(library.illuminant("589 nm")))
+    assert behind.wavelengths.tolist() == [589.0]
+
+
+def test_a_black_gel_is_refused():
+    with pytest.raises(SpectrumError, match="lets no light through"):
+        mixing.tinted(library.illuminant("A"), (0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 5, 8])

@@ -42,6 +42,14 @@ def steps():
         yield
     yield from scroll_down()
     yield "left_out.png"
+    bpy.context.window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=600, y=500)
+    yield
+    bpy.ops.relume.report("INVOKE_DEFAULT")
+    yield
+    yield "report_dialog.png"
+    for value in ("PRESS", "RELEASE"):
+        bpy.context.window.event_simulate(type="ESC", value=value, x=600, y=500)
+    yield
     assert bpy.ops.relume.report(percent=10, samples=4, folder=FOLDER) == {"FINISHED"}
     report = sys.modules["bl_ext.user_default.relume.addon.cli.background"].current()
     while report.is_running and report.part < 0.3:
@@ -56,7 +64,7 @@ def steps():
         scene,
         "--enable-event-simulate",
     )
-    assert list(pictures) == ["left_out.png", "report_done.png", "report_running.png"]
+    assert list(pictures) == ["left_out.png", "report_dialog.png", "report_done.png", "report_running.png"]
     assert len({picture.read_bytes() for picture in pictures.values()}) == len(pictures), "one shows what another does"
     rows = json.loads((tmp_path / "report/report.json").read_text())["rows"]
     assert {"RGB", "9 channels", "automatic", "reference"} <= {row["name"] for row in rows}
