@@ -1,12 +1,13 @@
-"""Build the two volumes of the gallery, after [DF] Fig. 7 and [BMD] Figs. 6 and 7, as .blend files.
+"""Build the volumes of the gallery, after [DF] Fig. 7 and [BMD] Figs. 6 and 7, as .blend files.
 
 `python -m relume.assets.make_volumes [FOLDER]`
 
 [DF] M. S. Drew, G. D. Finlayson, "Multispectral processing without spectra", JOSA A 20 (2003).
 [BMD] S. Bergner, T. Moller, M. S. Drew, "A spectral engine for visualization", SFU-CMPT-TR2004-06, section 5.1.
 
-The papers' own data, a frog and an engine, are not here: both fields are made of ellipsoids, boxes and noise. Ranges of
-their values have spectra of a palette that the designer solves (`volumes/anatomy.toml`, `volumes/machine.toml`).
+The papers' own data, a frog and an engine, are not here: two fields are made of ellipsoids, boxes and noise, the third
+is measured (`volumes/brain.vdb`, made by `make_vdb`). Ranges of their values have spectra of a palette that is designed
+(`volumes/*.toml`).
 """
 
 import math
@@ -22,6 +23,7 @@ from ..addon.graph import spectra, transfer
 from ..core import palette
 from ..core.spectra.arrays import Array
 from ..core.spectra.spectrum import WAVELENGTHS, Spectrum
+from . import make_vdb
 
 __all__ = ["SCENES", "Organ", "Volume", "build", "lightings", "main", "reflectances"]
 
@@ -30,26 +32,30 @@ PALETTES = Path(__file__).with_name("volumes")
 
 @dataclass(frozen=True)
 class Organ:
-    """A part of a volume: where it is, a value that tells it from the others, its density in 1/m, its reflectance.
+    """A part of a volume: its reflectance, the range of values that tells it from the others, its density in 1/m.
 
-    shapes: (centre, radii, "ball" or "box"); parts of higher value take the place of lower ones. noise: how much of
-    the shape noise leaves, 1 is all.
+    shapes: where a field that is made has its middle value: (centre, radii, "ball" or "box"); parts of higher value
+    take the place of lower ones. noise: how much of the shape noise leaves, 1 is all.
     """
 
     reflectance: str
-    value: float
+    values: tuple[float, float]
     density: float
-    shapes: tuple[tuple[tuple[float, float, float], tuple[float, float, float], str], ...]
+    shapes: tuple[tuple[tuple[float, float, float], tuple[float, float, float], str], ...] = ()
     noise: float = 1.0
 
 
 @dataclass(frozen=True)
 class Volume:
-    """A scene: its palette's file, its parts by rising value, and four lightings as {light of the palette: share}."""
+    """A scene: its palette's file, its parts by rising value, and four lightings as {light of the palette: share}.
+
+    grid: an OpenVDB file in place of shapes.
+    """
 
     palette: str
     organs: tuple[Organ, ...]
     lightings: dict[str, dict[str, float]]
+    grid: str = ""
 
 
 def _row(count: int, first, step, radii, shape: str):
@@ -61,19 +67,22 @@ SCENES = {
         "anatomy",
         (
             Organ(
-                "body", 0.2, 0.9, (((0, 0, 0), (1.3, 0.7, 0.75), "ball"), ((1.25, 0, 0.1), (0.55, 0.5, 0.45), "ball"))
+                "body",
+                (0.1, 0.3),
+                0.9,
+                (((0, 0, 0), (1.3, 0.7, 0.75), "ball"), ((1.25, 0, 0.1), (0.55, 0.5, 0.45), "ball")),
             ),
-            Organ("liver", 0.4, 5.0, (((0.5, -0.1, 0.05), (0.35, 0.35, 0.4), "ball"),)),
+            Organ("liver", (0.3, 0.5), 5.0, (((0.5, -0.1, 0.05), (0.35, 0.35, 0.4), "ball"),)),
             Organ(
                 "stomach",
-                0.6,
+                (0.5, 0.7),
                 7.0,
                 (
                     ((-0.15, -0.15, 0.0), (0.38, 0.26, 0.24), "ball"),
                     ((-0.45, -0.15, -0.22), (0.24, 0.2, 0.2), "ball"),
                 ),
             ),
-            Organ("bone", 0.8, 9.0, _row(11, (-1.1, 0.25, 0.35), (0.22, 0, 0.015), (0.075, 0.1, 0.1), "ball")),
+            Organ("bone", (0.7, 0.9), 9.0, _row(11, (-1.1, 0.25, 0.35), (0.22, 0, 0.015), (0.075, 0.1, 0.1), "ball")),
         ),
         {
             "daylight": {"D65": 1.0},
@@ -85,13 +94,13 @@ SCENES = {
     "machine": Volume(
         "machine",
         (
-            Organ("smoke", 0.2, 1.6, (((0, 0, 1.05), (1.2, 0.8, 0.55), "ball"),), 0.55),
-            Organ("hull", 0.4, 2.2, (((0, 0, 0), (1.2, 0.75, 0.7), "box"),)),
+            Organ("smoke", (0.1, 0.3), 1.6, (((0, 0, 1.05), (1.2, 0.8, 0.55), "ball"),), 0.55),
+            Organ("hull", (0.3, 0.5), 2.2, (((0, 0, 0), (1.2, 0.75, 0.7), "box"),)),
             # What is inside the hull is empty, but for the parts
-            Organ("", 0.6, 0.0, (((0, 0, 0), (1.1, 0.65, 0.6), "box"),)),
+            Organ("", (0.5, 0.7), 0.0, (((0, 0, 0), (1.1, 0.65, 0.6), "box"),)),
             Organ(
                 "parts",
-                0.8,
+                (0.7, 0.9),
                 12.0,
                 (
                     *_row(4, (-0.75, -0.1, 0.15), (0.5, 0, 0), (0.17, 0.3, 0.34), "box"),
@@ -105,6 +114,21 @@ SCENES = {
             "complement": {"complement": 1.0},
             "red smoke": {"red smoke": 1.0},
         },
+    ),
+    "brain": Volume(
+        "brain",
+        (
+            Organ("fluid", (0.12, 0.5), 0.4),
+            Organ("grey matter", (0.5, 0.8), 0.9),
+            Organ("white matter", (0.8, 1.1), 5.0),
+        ),
+        {
+            "daylight": {"D65": 1.0},
+            "tungsten": {"A": 1.0},
+            "white matter light": {"white matter light": 1.0},
+            "half daylight, half white matter light": {"D65": 0.5, "white matter light": 0.5},
+        },
+        "brain.vdb",
     ),
 }
 
@@ -140,19 +164,16 @@ def build(name: str):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.name, scene.world = name.capitalize(), None
-    bpy.ops.mesh.primitive_cube_add(size=2)
-    thing = bpy.context.object
-    thing.name, thing.scale = name, (2.0, 1.2, 1.7)
     material = bpy.data.materials.new(name)
     material.node_tree.nodes.clear()
-    thing.data.materials.append(material)
+    field = _measured(scene, volume, material) if volume.grid else _made(material, volume.organs)
     made = {entry.name: entry.spectrum for entry in _solved(volume.palette).reflectances}
     function = transfer.new(f"Transfer Function of the {name}")
     for organ in volume.organs:
         if organ.reflectance:
             group = spectra.new_reflectance(made[organ.reflectance], organ.reflectance)
-            transfer.add_range(function, organ.value - 0.1, organ.value + 0.1, group, organ.density)
-    transfer.attach(material, function, _field(material.node_tree, volume.organs))
+            transfer.add_range(function, *organ.values, group, organ.density)
+    transfer.attach(material, function, field)
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.angle = math.radians(30.0)
     camera.location = (-1.4, -7.0, 2.2)
@@ -171,8 +192,25 @@ def build(name: str):
     return scene
 
 
-def _field(tree, organs: tuple[Organ, ...]):
-    """Nodes that make the value of whatever is at a point -> socket."""
+def _measured(scene, volume: Volume, material):
+    """A volume object of a grid -> the socket with its values."""
+    data = bpy.data.volumes.new(volume.palette)
+    data.filepath = str(PALETTES / volume.grid)
+    data.materials.append(material)
+    thing = bpy.data.objects.new(volume.palette, data)
+    thing.rotation_euler, thing.scale = (0.0, 0.0, math.radians(-60.0)), (1.4, 1.4, 1.4)
+    scene.collection.objects.link(thing)
+    field = material.node_tree.nodes.new("ShaderNodeAttribute")
+    field.attribute_name = make_vdb.GRID
+    return field.outputs["Fac"]
+
+
+def _made(material, organs: tuple[Organ, ...]):
+    """A block in which nodes make the value of whatever is at a point -> socket."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    thing, tree = bpy.context.object, material.node_tree
+    thing.name, thing.scale = material.name, (2.0, 1.2, 1.7)
+    thing.data.materials.append(material)
     place = tree.nodes.new("ShaderNodeTexCoord")
     place.location = (-1600, 0)
     value = None
@@ -186,7 +224,7 @@ def _field(tree, organs: tuple[Organ, ...]):
             tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
             thick = _math(tree, "GREATER_THAN", noise.outputs[0], 1 - organ.noise, -800, at - 90)
             inside = _math(tree, "MULTIPLY", inside, thick, -600, at)
-        worth = _math(tree, "MULTIPLY", inside, organ.value, -400, at)
+        worth = _math(tree, "MULTIPLY", inside, sum(organ.values) / 2, -400, at)
         value = worth if value is None else _math(tree, "MAXIMUM", value, worth, -200, at)
     return value
 

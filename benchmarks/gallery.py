@@ -22,10 +22,10 @@ from ..core import results
 from ..core.colour import differences, spaces
 from ..core.model import bases
 from ..core.model.relight import power_weights
-from ..core.picture import coefficients
+from ..core.picture import coefficients, drawing
 from ..core.picture.mix import Light
 from ..core.spectra import files, library
-from ..studies import figures, tables
+from ..studies import dial, figures, tables
 from . import room_accuracy
 
 SPHERES = {
@@ -122,6 +122,7 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
     """[DF] Fig. 7, [BMD] Figs. 6 and 7: rendered once, each lighting by `relume relight` alone."""
     papers = {
         "anatomy": "Drew & Finlayson, Fig. 7; Bergner and others, Fig. 7",
+        "brain": "Drew & Finlayson, Fig. 7, of a measured volume",
         "machine": "Bergner and others, Fig. 6",
     }
     entries = []
@@ -138,7 +139,7 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
         )
         lightings, bright = make_volumes.lightings(name), full.mean(axis=-1)
         files.write(lamps, [illuminant for illuminant, _ in lightings.values()])
-        pictures, rows = [], []
+        pictures, rows, mixed = [], [], []
         for title, (illuminant, gain) in lightings.items():
             made = out / f"{name}_{title.replace(' ', '_').replace(',', '')}.png"
             light = f"{group}={lamps}#{title}*{gain:.6g}"
@@ -148,18 +149,25 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
             weights = power_weights(illuminant.sampled(), library.observer())
             white = weights.sum(axis=0)
             true, found = gain * full @ weights, _xyz(image, illuminant, gain)
+            mixed.append((title, found))
             seen = bright > SEEN * bright.max()
             apart = differences.delta_E_2000(true[seen], found[seen], white)
             rows.append([title, f"{gain:.2f}", *_statistics(apart)])
         figures.picture_row(out / f"{name}.png", pictures)
+        field = "A measured volume" if make_volumes.SCENES[name].grid else "A field made of simple shapes"
         words = (
-            "A field made of simple shapes in place of the paper's data, its ranges of values with spectra of a "
-            f"designed palette (assets/volumes/{name}.toml), rendered once with 9 channels; every lighting by `relume "
-            "relight`. CIEDE2000 to full spectra, where the volume is: it shines and takes in all wavelengths alike: "
-            f"a pixel is a mixture of its spectra (to {apart_from_mixture:.0e}), which tells its own."
+            f"{field} in place of the paper's data, its ranges of values with spectra of a designed palette "
+            f"(assets/volumes/{name}.toml), rendered once with 9 channels; every lighting by `relume relight`. "
+            "CIEDE2000 to full spectra, where the volume is: it shines and takes in all wavelengths alike: a pixel is "
+            f"a mixture of its spectra (to {apart_from_mixture:.0e}), which tells its own."
         )
         head = ["lighting", "luminance", "median", "98th percentile"]
         entries.append(Entry(name.capitalize(), paper, f"{name}.png", words, head, rows))
+        if name == "machine":
+            colours = [drawing.swatch(illuminant) for illuminant, _ in lightings.values()]
+            dial.animate(out / "dial.webp", mixed, colours)
+            words = "The four lightings of the machine, mixed by a handle after the render."
+            entries.append(Entry("The light dial", "Bergner and others, section 5.1", "dial.webp", words))
     return entries
 
 
