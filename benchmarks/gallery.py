@@ -25,8 +25,8 @@ from ..core.model.relight import power_weights
 from ..core.picture import coefficients, drawing
 from ..core.picture.mix import Light
 from ..core.spectra import files, library
-from ..studies import dial, figures, tables
-from . import room_accuracy
+from ..studies import dial, figures, paper_figures, reports, tables
+from . import room_accuracy, room_exact, room_paper
 
 SPHERES = {
     "full spectrum, 36 bands": lambda: bases.bands(36),
@@ -35,6 +35,7 @@ SPHERES = {
     "RGB": bases.rgb,
 }
 LIGHTS = {"D65": "daylight", "A": "tungsten"}
+ROOM_PERCENT = 25  # of the room's own resolution
 SEEN = 0.05  # of the brightest under flat light: where a volume is thinner nothing is compared
 
 
@@ -172,10 +173,11 @@ def volumes(out: Path, samples: int, _: Path | None) -> list[Entry]:
 
 
 def curves(out: Path, _: int, reflectances: Path | None) -> list[Entry]:
-    """[DF] Figs. 1 to 4 and 6, Table 1, and every table as Markdown."""
-    chosen = ["--reflectances", str(reflectances)] if reflectances else []
-    if tables.main([*chosen, "--out", str(out)]):
-        raise SystemExit("the tables were not made")
+    """[DF] Figs. 1 to 4 and 6, and every table."""
+    spectra = files.read(reflectances) if reflectances else library.reflectances("ces")
+    source = reflectances.name if reflectances else "the CES (CIE 224)"
+    done = reports.publish("tables", tables.sections(spectra, source), out)
+    paper_figures.draw(done, spectra, out)
     words = {
         1: "(a) The first five singular vectors of all colour signals, (b) what eq. 12 makes of them.",
         2: "D65 off light skin, foliage and blue sky: exact, best least squares, spectral factor model.",
@@ -184,16 +186,27 @@ def curves(out: Path, _: int, reflectances: Path | None) -> list[Entry]:
         6: "Signals of one to six bounces of D65 and A off the six metamers, accumulated.",
     }
     found = [Entry(f"Figure {n}", f"Drew & Finlayson, Fig. {n}", f"figure_{n}.png", text) for n, text in words.items()]
-    last = Entry("Tables 1 to 5", "Drew & Finlayson, Tables 1 to 5", "table_1.png", "Every row is in tables.md.")
-    return [*found, last]
+    for section in done:
+        number = section.name.removeprefix("Table ")
+        where = f"Table {number}" if number.isdigit() else section.name if "Section" in section.name else "3"
+        picture = "table_1.png" if section.name == "Table 1" else ""
+        found.append(_entry(section, f"Drew & Finlayson, {where}", picture))
+    return found
 
 
 def room(out: Path, samples: int, _: Path | None) -> list[Entry]:
-    """[WE] Table 1 and its error maps."""
-    arguments = ["--paper", "--samples", str(max(samples // 4, 1)), "--percent", "25", "--out", str(out)]
-    room_accuracy.main(arguments)
-    words = "CIE 1994 to the full spectrum. The table with the printed values is in room_paper.md."
-    return [Entry("The room", "Ward & Eydelberg-Vileshin, Table 1 and Figs. 5 to 7", "room_paper.png", words)]
+    """[WE] Table 1 and its error maps, rendered, and without noise."""
+    scene = room_accuracy.open_room(max(samples // 2, 1), ROOM_PERCENT)
+    paper = "Ward & Eydelberg-Vileshin, Table 1 and Figs. 5 to 7"
+    rendered = [_entry(section, paper) for section in room_paper.run(scene, out)]
+    rendered[0].picture = "room_paper.png"
+    exact = reports.publish("room_exact", room_exact.sections(), out)
+    return rendered + [_entry(section, f"{paper}, without noise") for section in exact]
+
+
+def _entry(section: reports.Section, paper: str, picture: str = "") -> Entry:
+    rows = [[str(cell) for cell in row] for row in section.rows]
+    return Entry(section.name, paper, picture, section.words, [str(cell) for cell in section.head], rows)
 
 
 PARTS: dict[str, Callable[[Path, int, Path | None], list[Entry]]] = {

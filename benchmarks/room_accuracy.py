@@ -133,7 +133,8 @@ def main(argv: list[str] | None = None):
         from . import room_paper
 
         arguments.out.mkdir(parents=True, exist_ok=True)
-        return room_paper.run(scene, arguments.out)
+        room_paper.run(scene, arguments.out)
+        return
     truth = render_room(scene, bases.bands(36), "reference, 36 bands")
     images = {name: render_room(scene, model, name) for name, model in _models().items()}
     finer = {"reference, 48 bands": render_room(scene, bases.bands(48), "reference, 48 bands")}

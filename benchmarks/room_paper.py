@@ -126,8 +126,8 @@ def sections(images: dict, truth, finer, names: np.ndarray) -> Iterator[Section]
     yield Section("Where it is", words, ("", "seen", "of the picture", *SPACES, "48 bands"), rows)
 
 
-def run(scene, out: Path) -> None:
-    """Render every model and the references, print and write the tables, and the error maps as one sheet."""
+def run(scene, out: Path) -> list[Section]:
+    """Render every model and the references; print, write and return the tables; the error maps as one sheet."""
     truth = room_accuracy.render_room(scene, bases.bands(36), "reference, 36 bands")
     names = objects_seen(scene, *truth.size)
     finer = room_accuracy.render_room(scene, bases.bands(48), "reference, 48 bands")
@@ -138,7 +138,7 @@ def run(scene, out: Path) -> None:
         for space, key in SPACES.items()
         for dominant in ("E", "A", "FL2")
     }
-    publish("room_paper", sections(images, truth, finer, names), out)
+    done = publish("room_paper", sections(images, truth, finer, names), out)
     sheet = [
         (f"{space}: {row}", difference(images[space, dominant], truth, room_accuracy.LIGHTINGS[lit]))
         for row, (lit, dominant) in ROWS.items()
@@ -146,3 +146,4 @@ def run(scene, out: Path) -> None:
     ]
     figures.delta_e_maps(out / "room_paper.png", sheet, TOP, columns=3, measure="CIE 1994")
     print(out / "room_paper.md")
+    return done

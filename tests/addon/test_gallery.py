@@ -7,7 +7,9 @@ import pytest
 from relume.addon.graph import transfer
 from relume.addon.scene import content
 from relume.assets import make_spheres, make_volumes
+from relume.core import palette
 from relume.core.colour import differences
+from relume.core.model import bases
 from relume.core.model.relight import power_weights
 from relume.core.spectra import library
 
@@ -26,7 +28,7 @@ def test_spheres_are_pairs_that_match_in_daylight_and_part_under_tungsten():
         assert apart[0] < 0.01 and apart[1] > 20
 
 
-@pytest.mark.parametrize("name", ["anatomy", pytest.param("machine", marks=pytest.mark.torture)])
+@pytest.mark.parametrize("name", ["anatomy", "machine", "brain"])
 def test_parts_of_a_volume_have_ranges_of_their_own(name):
     scene = make_volumes.build(name)
     (function,) = transfer.of(bpy.data.materials[name])
@@ -46,3 +48,17 @@ def test_under_the_stomach_light_only_the_stomach_is_left():
     seen = {s.name: s.sampled() @ weights[:, 1] for s in map(transfer.spectrum_of, transfer.ranges_of(function))}
     stomach = seen.pop("stomach")
     assert stomach > 0.3 and max(seen.values()) < 0.005
+
+
+def test_smoke_is_black_and_no_lighting_needs_more_than_nine_channels():
+    scene, model = make_volumes.SCENES["machine"], bases.fitted(9)
+    values = make_volumes.reflectances("machine")
+    names = [entry.name for entry in palette.read(make_volumes.PALETTES / "machine.toml").reflectances]
+    for title, (illuminant, gain) in make_volumes.lightings("machine").items():
+        weights = power_weights(illuminant.sampled(), library.observer())
+        true, found = gain * values @ weights, gain * model.coefficients(values) @ model.relight(illuminant).T
+        assert differences.delta_E_2000(true, found, weights.sum(axis=0)).max() < 0.2
+        if title in ("daylight", "complement"):
+            smoke = true[names.index("smoke")][None]
+            assert differences.delta_E_2000(np.zeros((1, 3)), smoke, weights.sum(axis=0)).max() < 0.1
+    assert {organ.reflectance for organ in scene.organs if organ.reflectance} == set(names)

@@ -11,6 +11,7 @@ from relume.core.model import bases
 from relume.core.picture.coefficients import to_xyz
 from relume.core.picture.mix import Light
 from relume.core.spectra import library
+from relume.core.spectra.spectrum import WAVELENGTHS, Spectrum
 
 NAMES = ("red", "green", "blue")
 
@@ -60,6 +61,19 @@ def test_each_range_has_the_colour_of_its_spectrum_under_any_light(block, tmp_pa
             expected = matrix @ image.model.coefficients(library.reflectance(f"ColorChecker: {name}"))
             seen = xyz[4 * index + 1 : 4 * index + 3].mean(axis=0)
             np.testing.assert_allclose(seen / seen.sum(), expected / expected.sum(), atol=2e-3)
+
+
+def test_a_metameric_black_shines_with_its_sign(block, tmp_path):
+    values = np.cos(np.linspace(0, 12, WAVELENGTHS.size))
+    black = Spectrum(WAVELENGTHS, values, "black", source="designed")
+    (tree,) = transfer.of(bpy.data.materials["volume"])
+    transfer.ranges_of(tree)[1].spectrum.node_tree = spectra.new_reflectance(black, "black")
+    setup.set_up(block, bases.fitted(9))
+    image = render.render(block, tmp_path).image
+    expected = image.model.coefficients(black)
+    assert expected.min() < -0.05, "it is negative somewhere"
+    (seen,) = (pixels[1:3, 5:7].mean(axis=(0, 1)) for pixels in image.groups.values())
+    np.testing.assert_allclose(seen / np.abs(seen).max(), expected / np.abs(expected).max(), atol=2e-3)
 
 
 def test_ranges_are_what_was_asked_for_and_can_be_taken_out():
