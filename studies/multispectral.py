@@ -8,6 +8,7 @@ what it takes for the spectrum that arrives.
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -88,8 +89,14 @@ def observer() -> Array:
 
 
 def paper_light(name: str) -> Array:
-    """A light of the library with Y = 1 for a perfect white -> (31,)."""
-    values = sampled([library.illuminant(name)])[0]
+    """A light of the library with Y = 1 for a perfect white -> (31,).
+
+    A fluorescent one is averaged over 10 nm: single samples would miss most of its lines.
+    """
+    values = library.illuminant(name).sampled()
+    if name.startswith("FL"):
+        values = np.convolve(values, [0.25, 0.5, 0.25], "same")
+    values = sampled_values(values)
     return values / (values @ observer()[:, 1])
 
 
@@ -216,15 +223,20 @@ def random_bounces(
 
 
 @cache
-def metamer_pairs() -> Array:
+def metamer_pairs(smoothness: float | None = None) -> Array:
     """Three pairs that match under D65 and part under A by the paper's differences, by the designer -> (3, 2, 81).
+
+    smoothness: its weight in the design, that of the design's file unless given.
 
     The paper's own are tabulated curves that it does not print. Of what is designed, the invisible part of the second
     less the first is added to the first, so that they match exactly, in the amount that the paper's differences need.
     """
     from .printed import PAIR_SPLITS
 
-    made = palette.create(palette.read(DESIGN)).palette.reflectances
+    design = palette.read(DESIGN)
+    if smoothness is not None:
+        design = replace(design, criteria=replace(design.criteria, smoothness=smoothness))
+    made = palette.create(design).palette.reflectances
     daylight, tungsten = library.illuminant("D65"), library.illuminant("A")
     weights = power_weights(tungsten.sampled(), library.observer())
     pairs = []

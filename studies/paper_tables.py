@@ -26,6 +26,8 @@ WORDS = {
     3: "RMS error of whole spectra in percent: the median over the reflectances, and of that the median over trials.",
 }
 SEVEN = 7  # channels of the specialised basis
+SMOOTHNESS = (0.03, 0.1, 0.4)  # the first is that of the pairs
+METHODS = ("best linear model", "eq. 12")
 
 
 def with_printed(label: Sequence, values: Array, theirs: Sequence[float] | None) -> Iterator[list]:
@@ -204,6 +206,8 @@ def metamer_sections(reflectances: Sequence[Spectrum]) -> Iterator[Section]:
     yield Section("Table 4", f"CIE 1976 difference. {about}", head, tables[4])
     yield Section("Table 5", f"RMS error of whole spectra in percent. {about}", head, tables[5])
 
+    yield _smoother()
+
     rows = []
     for method in ("full spectra", "multiply XYZ", "eq. 12, general basis", "eq. 12, specialised"):
         for name, light in lights.items():
@@ -227,3 +231,32 @@ def metamer_sections(reflectances: Sequence[Spectrum]) -> Iterator[Section]:
         "What full spectra show under A is made to be the paper's."
     )
     yield Section("Metamer pairs", words, ("light", "method", "within the pairs", "printed", "error, median"), rows)
+
+
+def _smoother() -> Section:
+    """What smoother pairs would make of Table 4, and how far they part."""
+    cmfs, rows = paper.observer(), []
+    lights = {name: paper.paper_light(name) for name in ("D65", "A")}
+    for smoothness in SMOOTHNESS:
+        pairs = paper.sampled_values(paper.metamer_pairs(smoothness))
+        six = pairs.reshape(6, -1)
+        basis = paper.components(SEVEN, np.stack(list(lights.values())), six)
+        cells = []
+        for method in (paper.best_linear(basis), paper.factors(paper.eq_12(basis))):
+            for light in lights.values():
+                true = light * paper.accumulated(six, "paper")
+                spectra = method(light, six, "paper")
+                cells.append(differences.delta_E_1976(spectra @ cmfs, true @ cmfs, light @ cmfs).mean())
+        seen = (lights["A"] * pairs) @ cmfs
+        apart = differences.delta_E_1976(seen[:, 0], seen[:, 1], lights["A"] @ cmfs)
+        parted = " / ".join(f"{value:.1f}" for value in apart)
+        rows.append([f"{smoothness:g}", parted, *(f"{value:.2f}" for value in cells)])
+    theirs = [np.mean(printed.METAMER_TABLES[4][method, name]) for method in METHODS for name in lights]
+    wanted = " / ".join(f"{value:.1f}" for value in printed.PAIR_SPLITS["full spectra", "A"])
+    rows.append(["printed", wanted, *(f"{value:.2f}" for value in theirs)])
+    words = (
+        "The pairs designed with other weights of smoothness: how far they part under A, and the rows of Table 4 as "
+        "means over six reflections. Smooth ones that stay within 0 and 1 part less than the paper's do."
+    )
+    head = ("smoothness", "apart under A", *(f"{method}, {name}" for method in METHODS for name in lights))
+    return Section("Smoother pairs", words, head, rows)

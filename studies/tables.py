@@ -20,8 +20,10 @@ Reflectances: {{reflectances}}. Taken from the paper: {paper.WAVELENGTHS.size} s
 norm over all wavelengths, then columns that sum to 1; its intervals for p = 5; the light as a factor, in every row \
 but our own. Inferred:
 
-- Intervals for the other p are even: {{intervals}}. Of those that `python -m relume.benchmarks.paper_intervals` \
-tries, these come nearest to the printed rows.
+- Intervals for the other p: {{intervals}}. Of the even ones that `python -m relume.benchmarks.paper_intervals` \
+tries, those for 3 and 7 come nearest to the printed rows of Table 1. At 9 no even ones do; those are found by moving \
+each towards the rows of Tables 1 and 3.
+- FL2 is averaged over 10 nm; the other lights are sampled.
 - Each light has Y = 1 for a white among the colour signals that the basis is made of.
 - Bounces accumulate as a <- a (1 + S): so does the printed row of multiplied XYZ. What light between two surfaces \
 does, S1 + S1 S2 + S1 S2 S3 + ..., has a table of its own.

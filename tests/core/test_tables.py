@@ -30,6 +30,7 @@ def vrhel_spectra(vrhel):
         (5, "best linear model", 0.08),
         (5, "eq. 12", 0.1),
         (7, "eq. 12", 0.12),
+        (9, "eq. 12", 0.12),
     ],
 )
 def test_printed_rows_of_table_1_and_2_are_reached(channels, method, within, vrhel_spectra):
