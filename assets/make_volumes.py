@@ -11,6 +11,7 @@ is measured (`volumes/brain.vdb`, made by `make_vdb`). Ranges of their values ha
 """
 
 import math
+import shutil
 import sys
 from dataclasses import dataclass
 from functools import cache
@@ -275,9 +276,13 @@ def main(arguments=None):
     if not hasattr(bpy.types.Scene, "relume"):
         register()
     folder = Path((arguments or sys.argv[1:] or [PALETTES.parent])[0])
+    folder.mkdir(parents=True, exist_ok=True)
     for name in SCENES:
         build(name)
         path = folder / f"{name}.blend"
+        for grid in bpy.data.volumes:
+            shutil.copy(grid.filepath, folder)
+            grid.filepath = f"//{Path(grid.filepath).name}"  # so that both can be taken elsewhere together
         bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True)
         print(path)
 

@@ -226,9 +226,10 @@ def main(argv: list[str] | None = None) -> None:
     parser.add_argument("--out", type=Path, default=Path("out/gallery"), metavar="DIR")
     options = parser.parse_args(argv)
 
-    from .. import register
+    if not hasattr(bpy.types.Scene, "relume"):
+        from .. import register
 
-    register()
+        register()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
     entries = [entry for name in options.only for entry in PARTS[name](out, options.samples, options.reflectances)]

@@ -1,5 +1,7 @@
 """The scenes of the gallery: what the papers' pictures rest on, without rendering them."""
 
+import re
+
 import bpy
 import numpy as np
 import pytest
@@ -7,11 +9,13 @@ import pytest
 from relume.addon.graph import transfer
 from relume.addon.scene import content
 from relume.assets import make_spheres, make_volumes
+from relume.benchmarks import gallery
 from relume.core import palette
 from relume.core.colour import differences
 from relume.core.model import bases
 from relume.core.model.relight import power_weights
 from relume.core.spectra import library
+from relume.studies.reports import Section
 
 
 def test_spheres_are_pairs_that_match_in_daylight_and_part_under_tungsten():
@@ -62,3 +66,29 @@ def test_smoke_is_black_and_no_lighting_needs_more_than_nine_channels():
             smoke = true[names.index("smoke")][None]
             assert differences.delta_E_2000(np.zeros((1, 3)), smoke, weights.sum(axis=0)).max() < 0.1
     assert {organ.reflectance for organ in scene.organs if organ.reflectance} == set(names)
+
+
+def test_the_page_has_every_part_with_its_figure_picture_and_table(tmp_path, monkeypatch):
+    section = Section("Table <1>", "Words & figures.", ("light", "median"), [["daylight", 0.1]])
+    parts = {
+        "one": lambda out, samples, reflectances: [gallery._entry(section, "Someone, Table 1", "one.png")],
+        "two": lambda out, samples, reflectances: [gallery.Entry("Two", "Someone, Fig. 2")],
+    }
+    monkeypatch.setattr(gallery, "PARTS", parts)
+    gallery.main(["--only", "one", "two", "--out", str(tmp_path / "page")])
+    markdown, page = ((tmp_path / "page" / f"gallery.{kind}").read_text(encoding="utf-8") for kind in ("md", "html"))
+    for words in ("Someone, Table 1", "Someone, Fig. 2", "one.png", "daylight", "0.1"):
+        assert words in markdown and words in page
+    assert "Table &lt;1&gt;" in page and "Words &amp; figures." in page
+    assert "| light | median |\n| --- | --- |\n| daylight | 0.1 |" in markdown
+
+
+@pytest.mark.torture
+def test_the_whole_gallery_is_made(tmp_path):
+    gallery.main(["--samples", "1", "--out", str(tmp_path)])
+    page = (tmp_path / "gallery.md").read_text(encoding="utf-8")
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page)
+    assert {"spheres.png", "anatomy.png", "brain.png", "machine.png", "dial.webp", "figure_1.png"} <= set(pictures)
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures)
+    for heading in ("Spheres", "Machine", "Table 1", "Table 5", "One thing changed"):
+        assert f"## {heading}\n" in page
