@@ -9,7 +9,7 @@ rendered once with a model; every lighting is made of that afterwards.
 import argparse
 import html
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
@@ -196,12 +196,14 @@ def curves(out: Path, _: int, reflectances: Path | None) -> list[Entry]:
 
 def room(out: Path, samples: int, _: Path | None) -> list[Entry]:
     """[WE] Table 1 and its error maps, rendered, and without noise."""
-    scene = room_accuracy.open_room(max(samples // 2, 1), ROOM_PERCENT)
+    scene, folder = room_accuracy.open_room(max(samples // 2, 1), ROOM_PERCENT), out / "room"
+    folder.mkdir(exist_ok=True)
     paper = "Ward & Eydelberg-Vileshin, Table 1 and Figs. 5 to 7"
-    rendered = [_entry(section, paper) for section in room_paper.run(scene, out)]
-    rendered[0].picture = "room_paper.png"
-    exact = reports.publish("room_exact", room_exact.sections(), out)
-    return rendered + [_entry(section, f"{paper}, without noise") for section in exact]
+    entries = [_entry(section, paper) for section in room_paper.run(scene, folder)]
+    entries[0].picture = f"{folder.name}/room_paper.png"
+    exact = reports.publish("room_exact", room_exact.sections(), folder)
+    entries += [_entry(section, f"{paper}, without noise") for section in exact]
+    return [replace(entry, title=f"The room: {entry.title}") for entry in entries]
 
 
 def _entry(section: reports.Section, paper: str, picture: str = "") -> Entry:

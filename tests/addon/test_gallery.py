@@ -90,5 +90,5 @@ def test_the_whole_gallery_is_made(tmp_path):
     pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", page)
     assert {"spheres.png", "anatomy.png", "brain.png", "machine.png", "dial.webp", "figure_1.png"} <= set(pictures)
     assert all((tmp_path / name).stat().st_size > 10_000 for name in pictures)
-    for heading in ("Spheres", "Machine", "Table 1", "Table 5", "One thing changed"):
+    for heading in ("Spheres", "Machine", "Table 1", "Table 5", "The room: One thing changed"):
         assert f"## {heading}\n" in page
