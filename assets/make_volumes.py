@@ -120,7 +120,7 @@ SCENES = {
         "brain",
         (
             Organ("fluid", (0.12, 0.5), 0.4),
-            Organ("grey matter", (0.5, 0.8), 0.9),
+            Organ("grey matter", (0.5, 0.8), 1.3),
             Organ("white matter", (0.8, 1.1), 5.0),
         ),
         {
@@ -199,7 +199,8 @@ def _measured(scene, volume: Volume, material):
     data.filepath = str(PALETTES / volume.grid)
     data.materials.append(material)
     thing = bpy.data.objects.new(volume.palette, data)
-    thing.rotation_euler, thing.scale = (0.0, 0.0, math.radians(-60.0)), (1.4, 1.4, 1.4)
+    thing.rotation_euler, thing.scale = (0.0, 0.0, math.radians(-60.0)), (1.3, 1.3, 1.3)
+    thing.location = (0.0, 0.0, 0.15)
     scene.collection.objects.link(thing)
     field = material.node_tree.nodes.new("ShaderNodeAttribute")
     field.attribute_name = make_vdb.GRID
