@@ -188,7 +188,7 @@ def curves(out: Path, _: int, reflectances: Path | None) -> list[Entry]:
     found = [Entry(f"Figure {n}", f"Drew & Finlayson, Fig. {n}", f"figure_{n}.png", text) for n, text in words.items()]
     for section in done:
         number = section.name.removeprefix("Table ")
-        where = f"Table {number}" if number.isdigit() else section.name if "Section" in section.name else "3"
+        where = f"Table {number}" if number.isdigit() else "section 3"
         picture = "table_1.png" if section.name == "Table 1" else ""
         found.append(_entry(section, f"Drew & Finlayson, {where}", picture))
     return found
