@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..assets import room as data
+from ..assets.room import ROOM, SIZE
 from ..core.colour import differences
 from ..core.model import bases, fresnel
 from ..core.model.relight import power_weights
@@ -26,17 +26,17 @@ from ..studies import enclosure
 from ..studies.reports import Section, publish
 from .room_paper import PRINTED, SPACES
 
-SIZE = (160, 120)  # pixels
+PIXELS = (160, 120)
 LIT = {"tungsten": ("A", 0), "fluorescent": ("FL2", 1)}  # illuminant, lamp
 
 
 def room_of(width: float = 1.0, spheres: float = 1.0) -> enclosure.Room:
     """The room, with its camera's angle and its spheres' radii times these."""
-    plastic, gold = (((*ball.centre[:2], ball.radius * spheres), ball.radius * spheres) for ball in data.SPHERES)
-    lamps = tuple((lamp.centre, lamp.side) for lamp in data.LAMPS)
-    camera = data.CAMERA
-    eye = camera.position, camera.target, camera.horizontal_degrees * width, SIZE
-    return enclosure.Room(data.SIZE, data.MAX_BOUNCES, plastic, gold, lamps, eye)
+    plastic, gold = (((*ball.centre[:2], ball.radius * spheres), ball.radius * spheres) for ball in ROOM.spheres)
+    lamps = tuple((lamp.centre, lamp.side) for lamp in ROOM.lamps)
+    camera = ROOM.camera
+    eye = camera.position, camera.target, camera.horizontal_degrees * width, PIXELS
+    return enclosure.Room(SIZE, ROOM.max_bounces, plastic, gold, lamps, eye)
 
 
 def surfaces(filters: np.ndarray, gold: str = "index") -> enclosure.Surfaces:
@@ -45,11 +45,11 @@ def surfaces(filters: np.ndarray, gold: str = "index") -> enclosure.Surfaces:
     gold: "index", n and k of each channel, as a renderer takes them; "angle", its colour at each angle; "head on", its
     colour head on at all angles.
     """
-    named = {wall.name: wall.reflectance for wall in data.WALLS}
+    named = {wall.name: wall.reflectance for wall in ROOM.walls}
     order = ("floor", "ceiling", "far wall", "near wall", "left wall", "right wall")
     walls = np.array([library.reflectance(named[name]).sampled() for name in order]) @ filters
     n, k = (each.sampled() for each in library.conductor("gold"))
-    plastic = data.SPHERES[0]
+    plastic = ROOM.spheres[0]
     channels = fresnel.filtered_conductor(filters, n, k) if gold == "index" and filters.shape[1] < n.size else (n, k)
 
     def metal(cosines: np.ndarray) -> np.ndarray:
@@ -79,7 +79,7 @@ def apart(room, space: str, lit: str, gold="index", shown: float | None = 98.0, 
     return differences.delta_E_1994(true / level, found / level, white / white[1]), names
 
 
-ROOM = room_of()
+AS_IT_IS = room_of()
 CHANGES: dict[str, dict] = {
     "as it is": {},
     "gold: its colour at each angle": {"gold": "angle"},
@@ -87,7 +87,7 @@ CHANGES: dict[str, dict] = {
     "spheres of three quarters the size": {"room": room_of(spheres=0.75)},
     "spheres of half the size": {"room": room_of(spheres=0.5)},
     "a camera 1.2 times as wide": {"room": room_of(width=1.2)},
-    "no light between walls": {"room": replace(ROOM, bounces=0)},
+    "no light between walls": {"room": replace(AS_IT_IS, bounces=0)},
     "380 to 720 nm": {"limits": (380, 720)},
     "median half white": {"shown": None},
     "the brightest pixel white": {"shown": 100.0},
@@ -105,7 +105,7 @@ def sections() -> Iterator[Section]:
     head = [f"{lit}, {space}" for lit, space in columns]
     rows = []
     for words, change in CHANGES.items():
-        change = {"room": ROOM} | change
+        change = {"room": AS_IT_IS} | change
         rows.append([words, *(_cells(apart(space=space, lit=lit, **change)[0]) for lit, space in columns)])
     printed = [PRINTED[f"{lit}, prefiltered"][list(SPACES).index(space)] for lit, space in columns]
     rows.append(["printed", *(f"{a:.1f} / {b:.1f}" for a, b in printed)])
@@ -126,7 +126,7 @@ def sections() -> Iterator[Section]:
 
     gold = fresnel.reflectance(*(each.sampled() for each in library.conductor("gold")), 1.0)
     rows = []
-    for name in dict.fromkeys(wall.reflectance for wall in data.WALLS):
+    for name in dict.fromkeys(wall.reflectance for wall in ROOM.walls):
         row = [name.split(": ")[1]]
         wall = library.reflectance(name).sampled()
         for lit, space in columns:
