@@ -60,3 +60,30 @@ def test_what_no_other_test_runs_can_be_imported():
     pytest.importorskip("bpy")
     done = subprocess.run([sys.executable, "-c", IMPORT_ALL], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+_LATE = """
+import ast, importlib, pathlib
+
+import relume
+
+for path in pathlib.Path(relume.__file__).parent.glob("*/**/*.py"):
+    parts = path.relative_to(pathlib.Path(relume.__file__).parent).with_suffix("").parts
+    if parts[0] not in ("addon", "core", "studies") or parts[-1].startswith("__"):
+        continue
+    package = ".".join(("relume", *parts[:-1]))
+    for node in ast.walk(ast.parse(path.read_text())):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        module = importlib.import_module("." * node.level + (node.module or ""), package)
+        for name in node.names:
+            if not hasattr(module, name.name):
+                importlib.import_module(f"{module.__name__}.{name.name}")
+"""
+
+
+def test_what_functions_import_is_there():
+    """A panel imports when it is drawn; only the window would tell."""
+    pytest.importorskip("bpy")
+    done = subprocess.run([sys.executable, "-c", _LATE], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -171,7 +171,7 @@ def _draw_curves(layout, design):
 
 def _drawn(text: str, is_light: bool) -> list:
     from ...core.picture import drawing
-    from ..store.mixer import stored_spectrum
+    from ..store.shining import stored_spectrum
 
     spectrum = stored_spectrum(text)
     return (drawing.curve(spectrum) if is_light else spectrum.sampled()).tolist()
