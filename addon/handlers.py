@@ -146,14 +146,20 @@ def _note(scene, *_) -> None:
 
 
 @persistent
-def _denoise_again(*_) -> None:
-    kept.forget()
+def _denoise_again(scene, *_) -> None:
+    if scene in follower.followed():  # Relume's own renders, of a report or to denoise, leave what the artist's kept
+        kept.forget()
 
 
 @persistent
 def _keep_denoised(scene, *_) -> None:
-    if not bpy.app.background and scene.relume.is_set_up and scene.is_editable:
+    if scene in follower.followed():
         kept.begin(scene)
+
+
+@persistent
+def _forget_denoised(*_) -> None:
+    kept.forget()
 
 
 @persistent
@@ -221,7 +227,7 @@ _HANDLERS = (
     ("save_post", _forget_all),
     ("save_post", _put_back),
     ("save_post_fail", _put_back),
-    ("load_post", _denoise_again),
+    ("load_post", _forget_denoised),
     ("load_post", _forget_all),
     ("load_post", _loaded),
 )

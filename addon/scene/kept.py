@@ -53,7 +53,7 @@ _is_due = _held = False
 
 
 def begin(scene) -> None:
-    """Have the render that begins write what it denoises."""
+    """Have the render that begins write what it denoises; none without a window, where no image is ready for it."""
     global _writing
     tree, settings = scene.compositing_node_group, scene.render
     denoisers = _denoisers(tree, scene) if tree and settings.use_compositing else {}
@@ -86,8 +86,9 @@ def next_frame() -> None:
 def end(finished: bool) -> None:
     """The render has come to its end, or was cancelled: what it wrote is `put` to use when the artist is followed."""
     global _writing, _kept, _is_due
-    _kept, _writing = (_writing if finished else None), None
-    _is_due = True
+    if finished and _writing is not None:
+        _kept = _writing
+    _writing, _is_due = None, True
 
 
 def is_pending() -> bool:

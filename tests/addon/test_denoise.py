@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from relume.addon.cli import commands
+from relume.addon.graph import nodes
 from relume.addon.host import denoising
-from relume.addon.scene import render, setup, view_layers
+from relume.addon.scene import follower, kept, render, setup, view_layers
 from relume.addon.store import remarks
 from relume.core.colour import differences
 from relume.core.model import bases, upsample
@@ -67,6 +68,31 @@ def test_every_pass_by_itself_in_the_compositor_is_what_the_command_makes(noisy,
     assert not np.allclose(composited(noisy, tmp_path / "sodium.exr"), apart, atol=1e-2)
     setup.remove(noisy)
     assert noisy.compositing_node_group is None and len(noisy.view_layers) == 1
+
+
+def test_another_light_shows_what_was_kept_as_a_render_denoises_it(noisy, tmp_path):
+    noisy.cycles.samples = 9
+    setup.set_up(noisy)
+    first = composited(noisy, tmp_path / "first.exr")
+    assert kept.KEPT not in {key for node in noisy.compositing_node_group.nodes for key in node.keys()}, "no window"
+    bpy.data.images.new("Relume Denoised", 1, 1)[nodes.ROLE] = "denoised"  # as it is ready in a window
+    composited(noisy, tmp_path / "kept.exr")
+    kept.put(noisy)
+    tree = noisy.compositing_node_group
+    (reader,) = [node for node in tree.nodes if node.type == "IMAGE"]
+    assert len([socket for socket in reader.outputs if socket.is_linked]) == 3 * 2
+    assert not [node for node in denoisers(noisy) if node.outputs["Image"].is_linked]
+    noisy.cycles.samples = 1  # of which nothing is to be seen
+    with follower.held():
+        assert np.abs(composited(noisy, tmp_path / "read.exr") - first).max() <= 1e-5 * first.max()
+        noisy.relume.light_groups["tungsten"].illuminant = "Sodium (low pressure)"
+        sodium = composited(noisy, tmp_path / "sodium.exr")
+    noisy.cycles.samples = 9
+    rendered = composited(noisy, tmp_path / "rendered.exr")
+    assert np.abs(sodium - rendered).max() <= 1e-5 * rendered.max() and not np.allclose(sodium, first, atol=1e-2)
+    assert not [node for node in tree.nodes if node.type == "OUTPUT_FILE" and not node.get(kept.KEPT)]
+    setup.remove(noisy)
+    assert not [image for image in bpy.data.images if image.get(nodes.ROLE)]
 
 
 def test_the_compositor_follows_the_artists_choice_of_guides(noisy):
