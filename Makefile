@@ -15,7 +15,7 @@ gallery: .venv/.complete ## Make the figures of the three papers again, in out/g
 	.venv/bin/python -m relume.benchmarks.gallery $(if $(REFLECTANCES),--reflectances $(REFLECTANCES)) --out out/gallery
 
 test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blender", in the real application too
-	.venv/bin/pytest --numprocesses 2 --dist loadfile --ignore tests/gui
+	.venv/bin/pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder --ignore tests/gui
 	.venv/bin/pytest tests/gui
 
 oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests in Blender 5.0 (Python 3.11)

@@ -19,6 +19,11 @@ def relume():
     relume.unregister()
 
 
+def pytest_collection_modifyitems(items):
+    # Long files of few tests begin: begun last, they would have one process wait for the other
+    items.sort(key=lambda item: item.path.stem not in {"test_readme", "test_site"})
+
+
 def pytest_terminal_summary(terminalreporter):
     for directory in collect_ignore:
         terminalreporter.write_line(f"tests/{directory} left out: bpy is not installed")

@@ -158,7 +158,7 @@ def test_every_command_is_in_a_menu_so_that_f3_finds_it(ready):
     from relume.addon.ui import menus
 
     of_rows = "expected add_transfer_range remove_transfer_range add_lights change_blend light_dial forget_snapshot"
-    of_rows += " stop_report preset_add assign_spectrum assign_spectrum_file clear_spectrum"
+    of_rows += " stop_report preset_add assign_spectrum assign_spectrum_file clear_spectrum favourite move_group"
     there = {f"relume.{name}" for name in dir(bpy.ops.relume) if not name.startswith("palette_")}
     drawn = draw(menus.CommandsMenu.draw, object=bpy.data.objects["Camera"])
     drawn |= draw(menus._import_menu) | draw(menus._export_menu) | draw(menus.IlluminantsMenu.draw)
