@@ -18,8 +18,8 @@ test: .venv/.complete ## Run the tests; with BLENDER="a command that runs Blende
 	.venv/bin/pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder --ignore tests/gui
 	.venv/bin/pytest tests/gui
 
-oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests in Blender 5.0 (Python 3.11)
-	.venv-oldest/bin/pytest --numprocesses 2 --dist loadfile tests/core tests/addon
+oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests, or TESTS=..., in Blender 5.0 (Python 3.11)
+	.venv-oldest/bin/pytest --numprocesses 2 --dist loadfile $(or $(TESTS),tests/core tests/addon)
 
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
 	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py tests/core/test_palette_solve.py -m ""
