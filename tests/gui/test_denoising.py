@@ -27,7 +27,7 @@ def render():
 
 def shown():
     # As long as it takes to follow, and to composite what is shown
-    yield from pause(2.0)
+    yield from pause(1.5)
     while bpy.app.is_job_running("COMPOSITE"):
         yield
 

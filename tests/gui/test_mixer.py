@@ -103,8 +103,7 @@ def steps():
     )
 
 
-@pytest.mark.parametrize("theme", ["dark", "light"])
-@pytest.mark.parametrize("scale", [1.0, 1.5])
+@pytest.mark.parametrize(("theme", "scale"), [("dark", 1.0), ("light", 1.5)])
 def test_the_panels_in_both_themes_and_at_two_scales(window, theme, scale):
     name = f"mixer_{theme}_{scale}.png"
     pictures = window(
