@@ -1,21 +1,13 @@
 """What Relume does when Blender changes, renders or saves a scene: what is set up follows the artist."""
 
+from collections.abc import Callable
+
 import bpy
 from bpy.app.handlers import persistent
 
 from ..core.errors import RelumeError
 from .graph import nodes
-from .scene import (
-    baking,
-    comparison,
-    follower,
-    kept,
-    light_groups,
-    note,
-    render,
-    setup,
-    view_layers,
-)
+from .scene import baking, comparison, follower, kept, light_groups, note, render, setup, view_layers
 from .store import changes, mixer
 
 __all__ = ["register", "unregister"]
@@ -117,11 +109,6 @@ def _loaded(*_) -> None:
 
 
 @persistent
-def _settle(*_) -> None:
-    follower.settle_all()
-
-
-@persistent
 def _bake(scene, *_) -> None:
     if scene.relume.is_set_up and baking.is_animated(scene):
         baking.bake(scene)
@@ -158,33 +145,8 @@ def _keep_denoised(scene, *_) -> None:
 
 
 @persistent
-def _forget_denoised(*_) -> None:
-    kept.forget()
-
-
-@persistent
-def _next_frame(*_) -> None:
-    kept.next_frame()
-
-
-@persistent
-def _rendered(*_) -> None:
-    kept.end(True)
-
-
-@persistent
-def _cancelled(*_) -> None:
-    kept.end(False)
-
-
-@persistent
-def _put_aside(*_) -> None:
-    kept.hold()
-
-
-@persistent
-def _put_back(*_) -> None:
-    kept.hold(False)
+def _put_kept(*_, held: bool = False) -> None:
+    kept.hold(held)
     for scene in follower.followed():
         kept.put(scene)
 
@@ -203,6 +165,11 @@ def _forget_all(*_) -> None:
         _forget(scene)
 
 
+def _calling(function: Callable, *arguments) -> Callable:
+    """A handler that calls a function with the same, whatever Blender says."""
+    return persistent(lambda *_: function(*arguments))
+
+
 _HANDLERS = (
     ("frame_change_post", _frame_changed),
     ("depsgraph_update_post", _depsgraph_updated),
@@ -212,22 +179,22 @@ _HANDLERS = (
     ("redo_post", _after_undo),
     ("animation_playback_post", _look_again),
     ("render_init", _denoise_again),
-    ("render_init", _settle),
+    ("render_init", _calling(follower.settle_all)),
     ("render_init", _bake),
     ("render_init", _note),
     ("render_init", _keep_denoised),
-    ("render_pre", _next_frame),
+    ("render_pre", _calling(kept.next_frame)),
     ("render_complete", _forget),
-    ("render_complete", _rendered),
+    ("render_complete", _calling(kept.end, True)),
     ("render_cancel", _forget),
-    ("render_cancel", _cancelled),
-    ("save_pre", _put_aside),
-    ("save_pre", _settle),
+    ("render_cancel", _calling(kept.end, False)),
+    ("save_pre", _calling(kept.hold)),
+    ("save_pre", _calling(follower.settle_all)),
     ("save_pre", _before_saving),
     ("save_post", _forget_all),
-    ("save_post", _put_back),
-    ("save_post_fail", _put_back),
-    ("load_post", _forget_denoised),
+    ("save_post", _put_kept),
+    ("save_post_fail", _put_kept),
+    ("load_post", _calling(kept.forget)),
     ("load_post", _forget_all),
     ("load_post", _loaded),
 )
@@ -254,8 +221,6 @@ def unregister() -> None:
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
     changes.forget()
-    kept.hold()
-    for scene in follower.followed():
-        kept.put(scene)
+    _put_kept(held=True)
     for name, function in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(function)

@@ -68,11 +68,13 @@ def keep_spares() -> None:
     An undo step knows the data-blocks of when it was made, and Blender ends where a step leaves something unchanged
     that has come to use a data-block since. So what is needed without a step of undo has to be there before.
     """
+    global _is_unsafe
     for kind, count in _SPARES.items():
         for _ in range(count - len(_spares(kind))):
             bpy.data.node_groups.new("Relume Spare", kind)[ROLE] = "spare"
     if not bpy.app.background and kept_image() is None:
         bpy.data.images.new("Relume Denoised", 1, 1)[ROLE] = "denoised"
+        _is_unsafe = True  # until a step of undo is sure to know it
 
 
 def kept_image():
@@ -217,14 +219,14 @@ def take_out(tree, node) -> None:
     tree.nodes.remove(node)
 
 
-def clear_orphans() -> None:
-    """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays)."""
-    roles = ("compositing", *INSERTED, "recombination", "comparison", "view", "spare")
-    for role_name in roles:
+def clear_orphans(*roles: str) -> None:
+    """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays), or those of
+    some roles: spare ones too are used by nothing."""
+    for role_name in roles or ("compositing", *INSERTED, "recombination", "comparison", "view", "spare"):
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:
                 delete(tree)
-    image = kept_image()
+    image = None if roles else kept_image()
     if image is not None and image.users == 0 and not _staying:
         bpy.data.images.remove(image)
 

@@ -26,4 +26,4 @@ def end(scene) -> None:
             tree.links.new(first, link.to_socket)
     for node in added:
         tree.nodes.remove(node)
-    nodes.clear_orphans()
+    nodes.clear_orphans("comparison")

@@ -17,9 +17,9 @@ from .programme import minimum
 
 __all__ = ["Solution", "costs", "create", "start"]
 
-STEPS = 60  # most of them, of what is not convex
+STEPS = 200  # most of them, of what is not convex
 # It has converged where no colour changes by more than this, or the squared residuals by no more than these
-SETTLED, COST_RELATIVE, COST_ABSOLUTE = 1e-6, 1e-4, 1e-8
+SETTLED, COST_RELATIVE, COST_ABSOLUTE = 1e-6, 1e-4, 1e-9
 PATIENCE = 8  # steps without anything better, after which no more are taken
 TRIED = 4  # steps with each direction in which equal colours can be taken apart
 

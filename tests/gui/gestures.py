@@ -62,12 +62,18 @@ def region_of(area, kind="UI"):
     return next(region for region in area.regions if region.type == kind)
 
 
-def layout():
+def at(place, kind="VIEW_3D"):
+    # A place from the upper right corner of the panel's region, at an interface scale of 1
+    region = region_of(area_of(kind))
+    return region.x + region.width + place[0], region.y + region.height + place[1]
+
+
+def layout(factor=0.5):
     # The 3D view on the left with the panel, the render on the right
     area = area_of("VIEW_3D")
     area.spaces.active.show_region_ui = True
     with bpy.context.temp_override(area=area, region=region_of(area, "WINDOW")):
-        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=factor)
     yield
     left, right = sorted((a for a in bpy.context.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
     right.type = "IMAGE_EDITOR"
@@ -77,10 +83,9 @@ def layout():
     yield
 
 
-def render():
+def render(percent=50, samples=96):
     scene = bpy.context.scene
-    scene.render.resolution_percentage = 50
-    scene.cycles.samples = 96
+    scene.render.resolution_percentage, scene.cycles.samples = percent, samples
     bpy.ops.render.render()
     area = area_of("IMAGE_EDITOR")
     area.spaces.active.image = bpy.data.images["Render Result"]

@@ -7,13 +7,8 @@ def test_keys_families_a_favourite_a_gel_and_the_order_of_groups(window):
     pictures = window(
         STEPS
         + """
-# From the upper right corner of the panel's region, at an interface scale of 1
+# As `at` takes them
 MENU, LAMP = (-57, -103), (-150, -103)
-
-
-def at(place):
-    region = region_of(area_of("VIEW_3D"))
-    return region.x + region.width + place[0], region.y + region.height + place[1]
 
 
 def steps():

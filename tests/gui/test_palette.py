@@ -3,44 +3,11 @@
 Its pictures are those of docs/palette.md.
 """
 
-STEPS = '''
-import bpy
+from gestures import STEPS as GESTURES
 
-
-def event(kind, value, x, y, **options):
-    bpy.context.window.event_simulate(type=kind, value=value, x=int(x), y=int(y), **options)
-
-
-def click(x, y):
-    event("MOUSEMOVE", "NOTHING", x - 2, y)
-    event("MOUSEMOVE", "NOTHING", x, y)
-    yield
-    event("LEFTMOUSE", "PRESS", x, y)
-    event("LEFTMOUSE", "RELEASE", x, y)
-    yield
-
-
-def press(key, x, y, **modifiers):
-    event("MOUSEMOVE", "NOTHING", x, y)
-    yield
-    event(key, "PRESS", x, y, **modifiers)
-    event(key, "RELEASE", x, y)
-    yield
-
-
-def area_of(kind):
-    return next(area for area in bpy.context.screen.areas if area.type == kind)
-
-
-def region_of(area, kind="UI"):
-    return next(region for region in area.regions if region.type == kind)
-
-
-def at(place, kind="VIEW_3D"):
-    """A place from the upper right corner of the panel's region, at an interface scale of 1."""
-    region = region_of(area_of(kind))
-    return region.x + region.width + place[0], region.y + region.height + place[1]
-
+STEPS = (
+    GESTURES
+    + '''
 
 def below(place, kind="VIEW_3D"):
     """The same from its lower right corner, where the panel ends once it is scrolled."""
@@ -75,25 +42,15 @@ def design():
     return bpy.context.scene.relume_palettes[bpy.context.scene.relume_palette_active]
 
 
-def layout():
-    # The 3D view with the palette on the left, the render on the right; nothing else in the tab
+def beside_the_render():
+    """The palette on the left, the render on the right; nothing else in the tab."""
     for name in [name for name in dir(bpy.types) if name.startswith("VIEW3D_PT_relume") and "palette" not in name]:
         bpy.utils.unregister_class(getattr(bpy.types, name))
     panel = bpy.types.VIEW3D_PT_relume_palette
     bpy.utils.unregister_class(panel)
     panel.bl_options = set()
     bpy.utils.register_class(panel)
-    area = area_of("VIEW_3D")
-    area.spaces.active.show_region_ui = True
-    with bpy.context.temp_override(area=area, region=region_of(area, "WINDOW")):
-        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.6)
-    yield
-    left, right = sorted((a for a in bpy.context.screen.areas if a.type == "VIEW_3D"), key=lambda a: a.x)
-    right.type = "IMAGE_EDITOR"
-    left.spaces.active.show_region_ui = True
-    yield
-    region_of(left).active_panel_category = "Relume"
-    yield
+    yield from layout(0.6)
 
 
 def scene_of_two():
@@ -124,18 +81,8 @@ def scene_of_two():
     area = area_of("VIEW_3D")
     area.spaces.active.region_3d.view_perspective = "CAMERA"
     area.spaces.active.overlay.show_overlays = False
-
-
-def render():
-    bpy.ops.render.render()
-    area = area_of("IMAGE_EDITOR")
-    area.spaces.active.image = bpy.data.images["Render Result"]
-    yield
-    with bpy.context.temp_override(area=area, region=region_of(area, "WINDOW")):
-        bpy.ops.image.view_all(fit_view=True)
-    bpy.ops.ed.undo_push(message="Render")
-    yield
 '''
+)
 
 
 def test_two_paints_that_match_in_daylight_and_part_under_tungsten(window):
@@ -152,7 +99,7 @@ def steps():
     scene_of_two()
     scene = bpy.context.scene
     scene.relume.channels = "9"
-    yield from layout()
+    yield from beside_the_render()
     yield "palette_1.png"
     yield from click(*at(NEW))
     yield from click(*at(EMPTY))
@@ -206,7 +153,7 @@ def steps():
     assert [(part.illuminant, part.weight) for part in parts] == [("D65", 1.0), ("A", 0.0)]
     yield "palette_9.png"
     yield from scroll(-80)
-    yield from render()
+    yield from render(100, 32)
     yield "palette_daylight.png"
     parts = scene.relume.light_groups["lamp"].blend
     parts[0].weight, parts[1].weight = 0.0, 1.0
@@ -228,7 +175,7 @@ VIEW, COLOUR, BLACK = (-101, -389), (-215, -389), (-54, -494)
 
 
 def steps():
-    yield from layout()
+    yield from beside_the_render()
     bpy.ops.relume.palette_new(example="EMPTY")
     bpy.ops.relume.palette_add_designed(kind="REFLECTANCE")
     bpy.ops.relume.palette_select(row=0, column=0)
@@ -299,7 +246,7 @@ def spectrum(entry):
 
 def steps():
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
-    yield from layout()
+    yield from beside_the_render()
     bpy.ops.relume.palette_new(example="EMPTY")
     yield from click(*at(MORE))
     yield from choose(at(BLACK_BODY))
@@ -361,7 +308,7 @@ def steps():
     scene = bpy.context.scene
     bpy.ops.mesh.primitive_plane_add(size=20, location=(0, 0, -1))
     bpy.context.object.data.materials.append(bpy.data.materials.new("floor"))
-    yield from layout()
+    yield from beside_the_render()
     scene.relume.channels, scene.cycles.samples = "9", 16
     bpy.ops.relume.set_up()
     bpy.ops.relume.palette_new(example="three_metamers")
@@ -379,7 +326,7 @@ def steps():
     yield from click(*below(CARRY))
     assert all("Relume Surface" in layer.aovs for layer in scene.view_layers if layer.use)
     yield "palette_carried.png"
-    yield from render()
+    yield from render(100, 32)
     yield from to_the_end()
     yield from click(*below(TRY_ON))
     yield
@@ -409,7 +356,7 @@ def steps():
     yield "palette_inspected.png"
     yield from press("ESC", *in_picture(0.35, 0.5))
     assert bpy.ops.relume.palette_assign() == {"FINISHED"}
-    yield from render()
+    yield from render(100, 32)
     yield "palette_rendered.png"
 """,
         "--enable-event-simulate",
@@ -428,7 +375,7 @@ def steps():
     bpy.ops.script.execute_preset(
         filepath=os.path.join(folder, "Blender_Light.xml"), menu_idname="USERPREF_MT_interface_theme_presets"
     )
-    yield from layout()
+    yield from beside_the_render()
     panel = bpy.types.IMAGE_PT_relume_palette
     bpy.utils.unregister_class(panel)
     panel.bl_options, panel.bl_order = set(), -1

@@ -4,42 +4,14 @@ A machine cannot see what is clipped: look at them (where `--basetemp` says) bef
 `-m ""` all five are taken, half a minute each; without, the one in which there is least room.
 """
 
-from pathlib import Path
-
 import pytest
+from gestures import ROOM
+from gestures import STEPS as GESTURES
 
-ROOM = Path(__file__).resolve().parents[2] / "assets/room.blend"
-
-STEPS = """
+STEPS = (
+    GESTURES
+    + """
 import os
-import sys
-
-import bpy
-
-
-def area_of(kind):
-    return next(area for area in bpy.context.screen.areas if area.type == kind)
-
-
-def region_of(area, kind="UI"):
-    return next(region for region in area.regions if region.type == kind)
-
-
-def event(kind, value, x, y):
-    bpy.context.window.event_simulate(type=kind, value=value, x=int(x), y=int(y))
-
-
-def drag(x, y, to_x):
-    for value, place in (("NOTHING", x - 2), ("NOTHING", x)):
-        event("MOUSEMOVE", value, place, y)
-        yield
-    event("LEFTMOUSE", "PRESS", x, y)
-    yield
-    for part in (0.3, 0.7, 1.0):
-        event("MOUSEMOVE", "NOTHING", x + part * (to_x - x), y)
-        yield
-    event("LEFTMOUSE", "RELEASE", to_x, y)
-    yield
 
 
 def scroll(region, times):
@@ -139,7 +111,8 @@ def steps():
     yield
     side = region_of(area_of("VIEW_3D"))
     if NARROW:
-        yield from drag(side.x + 1, side.y + 60, side.x + side.width - 190 * SCALE)
+        x, y, wanted = side.x + 1, side.y + 60, side.x + side.width - 190 * SCALE
+        yield from drag([(x + part * (wanted - x), y) for part in (0.0, 0.3, 0.7, 1.0)])
     for number in range(PAGES):
         yield
         yield f"4_sidebar_{number}.png"
@@ -154,6 +127,7 @@ def steps():
         yield
     yield "9_preferences.png"
 """
+)
 
 
 @pytest.mark.parametrize(
