@@ -8,7 +8,9 @@ the same kind, over that of RGB denoised with albedo and normal as guides.
 
 import argparse
 import tempfile
+from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import bpy
 import numpy as np
@@ -17,7 +19,8 @@ from ..addon.host import denoising
 from ..addon.scene import render, setup
 from ..core.colour import differences
 from ..core.model import bases, upsample
-from ..core.picture import recombination
+from ..core.picture import noise, recombination
+from ..core.picture.coefficients import CoefficientImage
 from ..core.picture.mix import Mix
 from . import overhead
 
@@ -26,7 +29,7 @@ _LEAST = 1e-6  # what light is divided by
 
 def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     """{words: (height, width, 3) picture}."""
-    image, guides = rendered.image, rendered.guides
+    image, guides = replace(rendered.image, groups=rendered.sampled), rendered.guides
     shown = recombination.recombination_matrices(image.model, Mix({group: lights[group] for group in image.groups}))
     matrices = [np.array_split(matrix, image.model.passes, axis=1) for matrix in shown]  # of group g and pass k: (3, 3)
     coefficients = [np.array_split(values, image.model.passes, axis=-1) for values in image.groups.values()]
@@ -34,7 +37,13 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     picture = sum(parts)
     joint = _joint_guides(guides, shown)
     equalised = _equalised(coefficients, parts, joint)
-    apart = render.picture(denoising.denoised_image(image, guides), lights)
+
+    def ours(image: CoefficientImage = image, guides=guides, **without) -> np.ndarray:
+        with mock.patch.multiple(noise, **without):
+            return render.picture(denoising.denoised_image(image, guides), lights)
+
+    straight = {"mirrored": lambda index: (False, False)}
+    apart = ours(SHARE=0.0, **straight)
     together = denoising.denoised(picture, joint)
     return {
         "as rendered": picture,
@@ -43,11 +52,13 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
         "guides of all passes": together,
         "the passes' brightness made alike first, then the same": denoising.denoised(equalised, joint),
         "every pass, its light groups together": _each_pass(coefficients, matrices, guides),
-        "every pass and light group, without guides": render.picture(
-            denoising.denoised_image(image, [{}] * len(guides)), lights
-        ),
-        "every pass and light group (`relume render`)": apart,
+        "every pass and light group, without guides": ours(guides=[{}] * len(guides), SHARE=0.0, **straight),
+        "every pass and light group": apart,
         "the same, and the picture once more": denoising.denoised(apart, joint),
+        "every pass as another mirror image": ours(SHARE=0.0),
+        "every pass, held to the picture of a light group": ours(**straight),
+        "**both: as it is set up, and by `relume render`**": ours(),
+        "the same, with noise of colour taken out first": ours(rendered.image),
         "luminance of the picture with all guides, colour of the passes": _with_luminance(apart, together),
         "luminance of the passes, colour of the picture with all guides": _with_luminance(together, apart),
     }

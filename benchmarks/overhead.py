@@ -7,9 +7,9 @@ The scenes are set up as an artist would: the passes share the samples. In RGB, 
 illuminants. The set-ups take turns, so that a busy machine slows all of them; what is printed are ratios to RGB. Time:
 the processor's, median over runs. Variance of luminance over runs: in the median pixel and on average over pixels, as
 part of the pixel's own luminance squared; and in the picture, the mean variance as part of the mean luminance squared.
-Colour error: mean CIEDE2000 of a run to a long render of its own kind: as rendered; denoised by the picture alone;
-denoised with albedo and normal as guides, Blender's own way and the compositor's; and every pass of every light group
-denoised with guides before recombination, as `relume render` does. RGB has but one way to be denoised with guides.
+Colour error: mean CIEDE2000 of a run to a long render of its own kind: as sampled; as shown, with noise of colour taken
+out; what was sampled, denoised by the picture alone; denoised with albedo and normal as guides, Blender's own way; and
+denoised as Relume does it by default. RGB has but one way to be denoised with guides. All variances are those as shown.
 `--variants` takes away, one after the other, what keeps noise low. `--settings` changes one of Cycles' own settings of
 sampling at a time, of RGB as well: all are held against RGB as Cycles sets it, at the same samples.
 """
@@ -18,7 +18,7 @@ import argparse
 import tempfile
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from unittest import mock
 
@@ -64,7 +64,7 @@ class Row:
     settings: dict = field(default_factory=dict)  # of Cycles
     seconds: list = field(default_factory=list)
     pictures: list = field(default_factory=list)
-    clean: list = field(default_factory=list)  # of each run, denoised by the picture alone, with guides, pass by pass
+    clean: list = field(default_factory=list)  # of each run, as sampled, and denoised: alone, with guides, by default
     long_run: np.ndarray | None = None
 
 
@@ -77,7 +77,7 @@ def _with_one_seed(scene, model) -> sampling.Sampling:
 
 
 def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[float, np.ndarray, list]:
-    """Seconds, the picture (height, width, 3) in Rec.709 and, but for the long run, its denoised versions."""
+    """Seconds, the picture (height, width, 3) in Rec.709 and, but for the long run, its other versions."""
     bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False)
     scene = bpy.context.scene
     scene.render.resolution_percentage, scene.cycles.samples = arguments.percent, samples
@@ -101,11 +101,13 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
     rendered = render.render(scene, path.parent, guides=None if seed == LONG_RUN else GUIDES)
     seconds = time.process_time() - began
     lights = {group.name: group.light() for group in scene.relume.light_groups}
-    picture = render.picture(rendered.image, lights)
+    image = replace(rendered.image, groups=rendered.sampled)
+    sampled = render.picture(image, lights)
     if seed == LONG_RUN:
-        return seconds, picture, []
-    apart = render.picture(denoising.denoised_image(rendered.image, rendered.guides), lights)
-    return seconds, picture, [denoising.denoised(picture), denoising.denoised(picture, rendered.guides[0]), apart]
+        return seconds, sampled, []
+    apart = render.picture(denoising.denoised_image(image, rendered.guides), lights)
+    clean = [sampled, denoising.denoised(sampled), denoising.denoised(sampled, rendered.guides[0]), apart]
+    return seconds, render.picture(rendered.image, lights), clean
 
 
 def color_lamps(scene):
@@ -122,7 +124,7 @@ def _plain(scene, path: Path, seed: int) -> tuple[float, np.ndarray, list]:
     if seed == LONG_RUN:
         return seconds, picture, []
     guided = denoising.denoised(picture, guides)
-    return seconds, picture, [denoising.denoised(picture), guided, guided]
+    return seconds, picture, [picture, denoising.denoised(picture), guided, guided]
 
 
 def plain(scene, path: Path) -> tuple[float, np.ndarray, dict]:
@@ -149,7 +151,7 @@ def _variance(row: Row) -> np.ndarray:
 
 
 def _color_error(row: Row, white: np.ndarray) -> np.ndarray:
-    """Mean CIEDE2000 to the long run: as rendered, and denoised in each way."""
+    """Mean CIEDE2000 to the long run: as shown, as sampled, and denoised in each way."""
     to_xyz = upsample.rgb_to_xyz()
     truth = row.long_run @ to_xyz.T
     ways = [row.pictures, *zip(*row.clean, strict=True)]
@@ -158,9 +160,9 @@ def _color_error(row: Row, white: np.ndarray) -> np.ndarray:
 
 def _table(rows: list[Row], white: np.ndarray) -> list[str]:
     plain = rows[0]
-    head = "| over RGB | time | variance: median pixel | mean | picture | ΔE2000 "
-    head += "| denoised: picture alone | with guides | each pass |"
-    lines = [head, "|---|" + "---|" * 8]
+    head = "| over RGB | time | variance: median pixel | mean | picture | ΔE2000 as shown | as sampled "
+    head += "| denoised: picture alone | with guides | by default |"
+    lines = [head, "|---|" + "---|" * 9]
     for row in rows:
         ratios = [np.median(np.array(row.seconds) / np.array(plain.seconds))]
         ratios += [*(_variance(row) / _variance(plain)), *(_color_error(row, white) / _color_error(plain, white))]

@@ -141,7 +141,8 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
     if plain:
         # The scene's own mix is a picture of its own only where the caller asked for no other
         mixes = {n: {g: replace(light, illuminant=library.illuminant(n)) for g, light in lights.items()} for n in names}
-    clean = denoising.denoised_image(image, rendered.guides, denoising.prefilter_of(scene)) if denoises else image
+    sampled, prefilter = replace(image, groups=rendered.sampled), denoising.prefilter_of(scene)
+    clean = denoising.denoised_image(sampled, rendered.guides, prefilter) if denoises else image
     written = [exr, *names.values()]
     summary = exr.with_name("summary.json")
     record = {

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.picture import coefficients
+from ...core.picture import coefficients, noise
 from ...core.picture.coefficients import CoefficientImage
 
 __all__ = ["available", "denoised", "denoised_image", "guides_of", "prefilter_of"]
@@ -32,31 +32,9 @@ def prefilter_of(scene) -> str:
 
 
 def denoised_image(image: CoefficientImage, guides: Sequence[Mapping], prefilter: str = "Accurate") -> CoefficientImage:
-    """A coefficient image without its noise: every light group of every pass by itself, with that pass's guides.
-
-    Passes have noise of their own: what the denoiser leaves of it averages out in the picture, where that of the
-    recombined picture would be noise of colour, which it knows less of. guides: for each pass as `denoised` takes them.
-    """
-    return replace(
-        image,
-        groups={
-            group: np.concatenate(
-                [
-                    _denoised_pass(coefficients[..., 3 * k : 3 * k + 3], guide, prefilter)
-                    for k, guide in enumerate(guides)
-                ],
-                axis=-1,
-            )
-            for group, coefficients in image.groups.items()
-        },
-    )
-
-
-def _denoised_pass(values: np.ndarray, guides: Mapping, prefilter: str) -> np.ndarray:
-    """(height, width, 1 to 3) coefficients; negative ones, which the denoiser does not know, stay."""
-    count = values.shape[-1]
-    filled = values[..., np.minimum(range(3), count - 1)]
-    return (denoised(np.maximum(filled, 0), guides, prefilter) + np.minimum(filled, 0))[..., :count]
+    """A coefficient image, as it was sampled, without its noise; guides: for each pass as `denoised` takes them."""
+    groups = noise.denoised(image.model, image.groups, guides, lambda rgb, seen: denoised(rgb, seen, prefilter))
+    return replace(image, groups=groups)
 
 
 def denoised(rgb: np.ndarray, guides: Mapping | None = None, prefilter: str = "Accurate") -> np.ndarray:

@@ -13,7 +13,7 @@ from ..graph import node_groups, nodes
 from ..host import denoising
 from ..store import properties
 from ..store.remarks import Remark
-from . import comparison, kept, view_layers
+from . import comparison, kept, noise, view_layers
 from .comparison import COMPARISON, LINE
 from .compositing_nodes import (
     ADDED,
@@ -78,8 +78,9 @@ def patch(scene, groups: list[str]) -> bool:
         shown = [n for n in tree.nodes if n.type == "R_LAYERS" and n.scene == scene and n.layer == source]
         if shown:
             group = node_groups.recombination_group(f"Relume Recombination {source}", groups, len(copies))
+            treated = noise.group(scene, f"Relume Noise {source}", groups, len(copies))
             for node in shown:
-                _feed(tree, node, group, copies, groups)
+                _feed(tree, node, group, treated, copies, groups)
     scene[_WIRING] = _wiring(scene, groups)
     kept.put(scene)
     return True
@@ -113,7 +114,7 @@ def _is_right(scene, groups: list[str]) -> bool:
             and any(link for socket in raw_outputs(node, groups) for link in links_to_artist(socket))
         ):
             return False
-    used = Counter(node.node_tree for node in recombinations(scene))
+    used = Counter(n.node_tree for n in tree.nodes if n in recombinations(scene) or (PART in n and belongs(n, scene)))
     return all(group.users == count for group, count in used.items())
 
 
@@ -121,9 +122,7 @@ def _wiring(scene, groups: list[str]) -> str:
     """What the nodes that Relume added are to each other, and what they were made for, as text."""
     tree, cycles = scene.compositing_node_group, scene.cycles
     layers = {source: [copy.name for copy in copies] for source, copies in view_layers.pass_layers(scene).items()}
-    made_for = [groups, layers, scene.relume.denoises_passes, cycles.use_denoising]
-    if cycles.use_denoising:
-        made_for += [denoising.guides_of(scene), denoising.prefilter_of(scene)]
+    made_for = [groups, layers, noise.choice(scene), cycles.use_denoising]
     added = [node for node in tree.nodes if ADDED in node and COMPARISON not in node and kept.KEPT not in node]
     shown = [(node.name, getattr(node, "layer", ""), node.mute, node.get(PART, "")) for node in [*added, *fed(scene)]]
     ends = [(kept.source_of(link), link) for link in tree.links if link.to_node in added]
@@ -134,7 +133,7 @@ def _wiring(scene, groups: list[str]) -> str:
     return json.dumps([made_for, sorted(shown), sorted(links)])
 
 
-def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
+def _feed(tree, first, group, treated, copies: list, groups: list[str]) -> None:
     """Make the artist's Render Layers node the first pass, and give its users the recombined picture for its image.
 
     So do the users of a light group's pass: they get its light, recombined.
@@ -151,28 +150,34 @@ def _feed(tree, first, group, copies: list, groups: list[str]) -> None:
     recombination.node_tree = group
     recombination.label = "Relume"
     tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
-    apart = first.scene.relume.denoises_passes
-    for row, name in enumerate(groups):
+    target = recombination
+    if treated is not None:
+        target = _added(tree, "CompositorNodeGroup", first, 0.75, 0)
+        target.node_tree, target.label = treated, "Relume Noise"
+        target[PART] = f"part {sum(PART in other for other in tree.nodes)}"
+        for socket in target.outputs:
+            tree.links.new(socket, recombination.inputs[socket.name])
+        for k, node in enumerate(renders):
+            for guide in ("Albedo", "Normal"):
+                if f"{guide} {k + 1}" in target.inputs:
+                    tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[f"{guide} {k + 1}"])
+    for name in groups:
         image = "Image" if name == EVERYTHING_ELSE else light_pass(name)
         for k, node in enumerate(renders):
-            part = node.outputs[image]
-            if apart:
-                part = _denoise(tree, node, part, 0.75, row / len(groups))
-                part.node[PART] = f"part {sum(PART in other for other in tree.nodes)}"
-            tree.links.new(part, recombination.inputs[f"{name} {k + 1}"])
+            tree.links.new(node.outputs[image], target.inputs[f"{name} {k + 1}"])
         for user in users.get(image, ()) if image != "Image" else ():
             tree.links.new(recombination.outputs[image], user)
     picture = recombination.outputs["Image"]
-    if first.scene.cycles.use_denoising and not apart:
+    if first.scene.cycles.use_denoising and not first.scene.relume.denoises_passes:
         # One denoising whatever the number of passes and light groups: the light is changed more often than rendered
-        picture = _denoise(tree, first, picture, 2.3, 0)
+        picture = _denoise(tree, first, picture)
     for user in users["Image"]:
         tree.links.new(picture, user)
 
 
-def _denoise(tree, render, image, column: float, row: float):
-    """Denoise an image as Cycles would if it denoised light groups, with the guides of a Render Layers node."""
-    node = _added(tree, "CompositorNodeDenoise", render, column, row)
+def _denoise(tree, render, image):
+    """Denoise the picture with the guides of a Render Layers node."""
+    node = _added(tree, "CompositorNodeDenoise", render, 2.3, 0)
     tree.links.new(image, node.inputs["Image"])
     for guide in denoising.guides_of(render.scene):
         tree.links.new(render.outputs[f"Denoising {guide}"], node.inputs[guide])
@@ -209,14 +214,11 @@ def rename(scene, before: str, after: str) -> None:
     kept.take_out(scene)
     tree = scene.compositing_node_group
     fed = []  # Render Layers node, the node that it feeds, and by which input
-    for node in recombinations(scene):
+    for node in [*recombinations(scene), *(n for n in tree.nodes if PART in n and belongs(n, scene))]:
         for socket in node.inputs:
             group, _, number = socket.name.rpartition(" ")
-            if group == before and socket.is_linked:
-                render, target = socket.links[0].from_node, (node, f"{after} {number}")
-                if render.type == "DENOISE":
-                    render, target = render.inputs["Image"].links[0].from_node, (render, "Image")
-                fed.append((render, *target))
+            if group == before and socket.is_linked and socket.links[0].from_node.type == "R_LAYERS":
+                fed.append((socket.links[0].from_node, node, f"{after} {number}"))
         for item in node.node_tree.interface.items_tree:
             group, _, number = item.name.rpartition(" ")
             if group == before:

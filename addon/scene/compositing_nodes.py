@@ -22,7 +22,7 @@ __all__ = [
 
 SOURCE = "relume_source"  # on the artist's Render Layers node: the view layer that it showed
 ADDED = "relume_added"  # on the nodes that Relume added
-PART = "relume_part"  # on a node that denoises one light group of one pass: what it is called in a file
+PART = "relume_part"  # on a node that takes noise from passes: what its outputs are called in a file
 
 
 def fed(scene, tree=None) -> list:
@@ -82,4 +82,7 @@ def belongs(node, scene) -> bool:
         return node.scene == scene
     if nodes.role(node) == "recombination":
         return _scene_of(node) in (scene, None)
+    if PART in node:
+        sources = [socket.links[0].from_node for socket in node.inputs if socket.is_linked]
+        return all(getattr(source, "scene", None) in (scene, None) for source in sources)
     return True

@@ -8,10 +8,10 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import CoefficientImageError, RelumeError
-from ...core.picture import coefficients, description, sequences
+from ...core.picture import blender_exr, coefficients, description, sequences
 from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import CoefficientImage
-from ..graph import node_groups, nodes
+from ..graph import node_groups, nodes, noise_nodes
 from ..store import mixer, properties, schema
 from . import setup
 
@@ -115,6 +115,12 @@ def point_at(scene, path: Path) -> None:
         )
     tree = scene.compositing_node_group
     shown = [node for node in tree.nodes if node.type == "IMAGE" and node.image]
+    guided = any(socket.is_linked for node in shown for socket in node.outputs if socket.name == "Denoising Albedo")
+    if described and blender_exr.has_guides(next(iter(files.values())), described.passes()) != guided:
+        raise CoefficientImageError(
+            f"{path}: of this and the file before, one has what guides a denoiser in every pass and the other has not: "
+            "open it with Relight from EXR in a new scene"
+        )
     with _all_or_nothing(path):
         picture = _load(files, path)
     for old in {_swap(tree, node, picture, files) for node in shown}:
@@ -187,12 +193,19 @@ def _composite(scene, picture, files, image: CoefficientImage, described) -> Non
     output = tree.nodes.new("NodeGroupOutput")
     output.location = (700, 0)
     groups = list(image.groups)
+    layers = described.passes() if described else [f"Coefficients {k + 1}" for k in range(image.model.passes)]
     recombination = tree.nodes.new("CompositorNodeGroup")
     recombination.node_tree = node_groups.recombination_group(
         f"Relume Recombination {scene.name}", groups, image.model.passes
     )
     recombination.location = (400, 0)
-    layers = described.passes() if described else [f"Coefficients {k + 1}" for k in range(image.model.passes)]
+    target = recombination
+    if described and blender_exr.has_guides(next(iter(files.values())), layers):
+        target = tree.nodes.new("CompositorNodeGroup")
+        target.node_tree = noise_nodes.estimating_group(f"Relume Noise {scene.name}", groups, image.model.passes)
+        target.location = (200, 0)
+        for socket in target.outputs:
+            tree.links.new(socket, recombination.inputs[socket.name])
     for k, layer in enumerate(layers):
         node = tree.nodes.new("CompositorNodeImage")
         node.location = (0, -300 * k)
@@ -200,6 +213,8 @@ def _composite(scene, picture, files, image: CoefficientImage, described) -> Non
         node.layer = layer
         for group in groups:
             output_name = light_pass(group) if described else group
-            tree.links.new(node.outputs[output_name], recombination.inputs[f"{group} {k + 1}"])
+            tree.links.new(node.outputs[output_name], target.inputs[f"{group} {k + 1}"])
+        for guide in ("Albedo", "Normal") if target != recombination else ():
+            tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[f"{guide} {k + 1}"])
     tree.links.new(recombination.outputs["Image"], output.inputs["Image"])
     scene.compositing_node_group = tree

@@ -1,8 +1,8 @@
-"""What the compositing of the last render in a window denoised, kept in a file that it reads until the next.
+"""The passes of the last render in a window without their noise, kept in a file that the compositing reads.
 
 Blender's compositor keeps nothing that its nodes made: at every change of light it would denoise each light group of
-each pass again. So a render in a window also writes what it denoised, and what comes after the denoisers reads that.
-Every render and every saved file has the denoisers in their place: nothing of this gets into a .blend.
+each pass again. So a render in a window also writes what `noise` made of them, and what comes after reads that. Every
+render and every saved file has the nodes in their place: nothing of this gets into a .blend.
 """
 
 import shutil
@@ -14,6 +14,7 @@ import bpy
 from ..graph import nodes
 from ..host.console import LOG
 from .compositing_nodes import ADDED, PART, belongs
+from .noise import MADE
 
 __all__ = [
     "KEPT",
@@ -35,11 +36,11 @@ _MOST = 4 * 2**30  # bytes that the file may have: Blender holds all of it in me
 
 @dataclass
 class _Kept:
-    """scene: its session_uid. denoised: what each part of the file was made of. folder: which has the file alone.
-    is_new: since it was read."""
+    """scene: its session_uid. made_of: what the parts of the file were. folder: which has the file alone. is_new: since
+    it was read."""
 
     scene: int
-    denoised: dict[str, list]
+    made_of: dict[str, list]
     folder: Path
     is_new: bool = True
 
@@ -53,14 +54,14 @@ _is_due = _held = False
 
 
 def begin(scene) -> None:
-    """Have the render that begins write what it denoises; none without a window, where no image is ready for it."""
+    """Have the render that begins write its passes without noise; not without a window, where no image is ready."""
     global _writing
     tree, settings = scene.compositing_node_group, scene.render
-    denoisers = _denoisers(tree, scene) if tree and settings.use_compositing else {}
+    parts = _parts(tree, scene) if tree and settings.use_compositing else {}
     pixels = settings.resolution_x * settings.resolution_y * (settings.resolution_percentage / 100) ** 2
-    if not denoisers or pixels * 16 * len(denoisers) > _MOST or nodes.kept_image() is None:
+    if not parts or pixels * 16 * len(parts) > _MOST or nodes.kept_image() is None:
         return
-    _writing = _Kept(scene.session_uid, _made_of(denoisers), Path(bpy.app.tempdir) / "relume_denoised")
+    _writing = _Kept(scene.session_uid, _made_of(parts), Path(bpy.app.tempdir) / "relume_denoised")
     shutil.rmtree(_writing.folder, ignore_errors=True)
     writer = tree.nodes.new("CompositorNodeOutputFile")
     writer[ADDED] = writer[KEPT] = True
@@ -68,9 +69,9 @@ def begin(scene) -> None:
     form = writer.format
     form.media_type, form.file_format = "MULTI_LAYER_IMAGE", "OPEN_EXR_MULTILAYER"
     form.color_depth, form.exr_codec = "32", "NONE"
-    for number, (part, node) in enumerate(denoisers.items()):
+    for number, (part, socket) in enumerate(parts.items()):
         writer.file_output_items.new("RGBA", part)
-        tree.links.new(node.outputs["Image"], writer.inputs[number])
+        tree.links.new(socket, writer.inputs[number])
 
 
 def next_frame() -> None:
@@ -118,10 +119,10 @@ def hold(held: bool = True) -> None:
 
 
 def put(scene) -> None:
-    """Have the compositing read what was kept, where that is what it would denoise; otherwise denoise."""
+    """Have the compositing read what was kept, where that is what its nodes would make; otherwise have them make it."""
     tree = scene.compositing_node_group
-    denoisers = _denoisers(tree, scene) if tree else {}
-    if not denoisers or not _is_of(scene, denoisers):
+    parts = _parts(tree, scene) if tree else {}
+    if not parts or not _is_of(scene, parts):
         take_out(scene)
         return
     for writer in _own(scene, "OUTPUT_FILE"):
@@ -131,51 +132,50 @@ def put(scene) -> None:
     if not readers:
         readers = [tree.nodes.new("CompositorNodeImage")]
         readers[0][ADDED] = readers[0][KEPT] = True
-        readers[0].location = next(iter(denoisers.values())).location
+        readers[0].location = next(iter(parts.values())).node.location
     reader = readers[0]
     if reader.image != image:
         reader.image = image
-    if not set(denoisers) <= set(reader.outputs.keys()):
-        LOG.warning("scene %r: %s cannot be read: each change of light denoises again", scene.name, _kept.path())
+    if not set(parts) <= set(reader.outputs.keys()):
+        LOG.warning("scene %r: %s cannot be read: each change of light makes it again", scene.name, _kept.path())
         take_out(scene)
         forget()
         return
-    for part, node in denoisers.items():
-        _move(tree, node.outputs["Image"], reader.outputs[part])
+    for part, socket in parts.items():
+        _move(tree, socket, reader.outputs[part])
 
 
 def take_out(scene) -> None:
-    """Have the denoisers in their place."""
+    """Have the nodes in their place."""
     tree = scene.compositing_node_group
     if tree is None:
         return
     for reader in _own(scene, "IMAGE"):
-        for part, node in _denoisers(tree, scene).items():
+        for part, socket in _parts(tree, scene).items():
             if part in reader.outputs:
-                _move(tree, reader.outputs[part], node.outputs["Image"])
+                _move(tree, reader.outputs[part], socket)
     for node in _own(scene, "IMAGE", "OUTPUT_FILE"):
         tree.nodes.remove(node)
 
 
 def source_of(link):
-    """The output that a link comes from where the denoisers are in their place."""
+    """The output that a link comes from where the nodes are in their place."""
     if KEPT not in link.from_node:
         return link.from_socket
-    denoisers = (node for node in link.id_data.nodes if node.get(PART) == link.from_socket.name)
-    return next((node.outputs["Image"] for node in denoisers), link.from_socket)
+    found = (_outputs(node).get(link.from_socket.name) for node in link.id_data.nodes if PART in node)
+    return next(filter(None, found), link.from_socket)
 
 
-def _is_of(scene, denoisers: dict) -> bool:
-    if _kept is None or _held or _kept.scene != scene.session_uid or _kept.denoised != _made_of(denoisers):
+def _is_of(scene, parts: dict) -> bool:
+    if _kept is None or _held or _kept.scene != scene.session_uid or _kept.made_of != _made_of(parts):
         return False
     return _kept.path() is not None and nodes.kept_image() is not None
 
 
-def _made_of(denoisers: dict) -> dict[str, list]:
-    """For each part, what is denoised, with which guides and how."""
-    return {
-        part: [*map(_origin, node.inputs), node.inputs["Prefilter"].default_value] for part, node in denoisers.items()
-    }
+def _made_of(parts: dict) -> dict[str, list]:
+    """For each node that makes parts, of which passes, and how."""
+    makers = {socket.node[PART]: socket.node for socket in parts.values()}
+    return {part: [*map(_origin, node.inputs), node.node_tree.get(MADE)] for part, node in makers.items()}
 
 
 def _origin(socket) -> list[str]:
@@ -200,9 +200,14 @@ def _own(scene, *kinds: str) -> list:
     return [node for node in tree.nodes if KEPT in node and node.type in kinds] if tree else []
 
 
-def _denoisers(tree, scene) -> dict:
-    """{part: node} of those that denoise one light group of one pass of a scene."""
-    return {node[PART]: node for node in tree.nodes if PART in node and ADDED in node and belongs(node, scene)}
+def _parts(tree, scene) -> dict:
+    """{part: output} of the passes of each light group of a scene, without noise."""
+    makers = [node for node in tree.nodes if PART in node and ADDED in node and belongs(node, scene)]
+    return {part: socket for node in makers if nodes.role(node) for part, socket in _outputs(node).items()}
+
+
+def _outputs(node) -> dict:
+    return {f"{node[PART]} {number}": socket for number, socket in enumerate(node.outputs, 1)}
 
 
 def _move(tree, before, after) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core import results
 from ...core.errors import CoefficientImageError, RenderError, ResultError, UsageError
-from ...core.picture import coefficients, recombination
+from ...core.picture import coefficients, noise, recombination
 from ...core.picture.coefficients import CoefficientImage
 from ...core.picture.mix import Light
 from ..host import console
@@ -26,6 +26,7 @@ __all__ = ["FORMATS", "RenderError", "Rendered", "check_view", "described", "pic
 class Rendered:
     """A coefficient image, and what it took: render seconds, synchronisation seconds and samples of each pass.
 
+    sampled: its light groups as they were sampled, where the scene wants noise of colour taken out of the image.
     guides: what the denoiser may look at in each pass, as `denoise.denoised` takes it; empty if it was not asked for.
     surface: (height, width, p) coefficients of what each pixel sees first, where the scene's passes carry them, and
     materials: {name: (height, width)}, the part of each pixel that is that material.
@@ -33,6 +34,7 @@ class Rendered:
 
     image: CoefficientImage
     times: dict[str, dict[str, float]]
+    sampled: Mapping[str, np.ndarray]
     guides: tuple[dict[str, np.ndarray], ...] = ()
     surface: np.ndarray | None = None
     materials: dict[str, np.ndarray] | None = None
@@ -54,13 +56,15 @@ def render(
     layers = next(iter(view_layers.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
     groups = [row.name for row in scene.relume.lit]
+    is_estimated = scene.relume.reduce_color_noise and len(layers) > 1
     said = described(scene)  # and what is wrong with it, before it takes long
     with results.scratch(folder) as temporary:
         path = temporary.absolute() / "passes.exr"
-        with follower.held(), _Progress(progress), _storing_guides(layers if guides else ()):
+        wanted = list(dict.fromkeys([*(guides or ()), *(("Albedo", "Normal") if is_estimated else ())]))
+        with follower.held(), _Progress(progress), _storing_guides(layers if wanted else ()):
             _render_to(scene, path)
         try:
-            found = () if guides is None else tuple(coefficients.read_guides(path, names, guides))
+            seen_by = coefficients.read_guides(path, names, wanted) if wanted else [{} for _ in names]
             channels, alpha = coefficients.read_render(path, scene.relume.model(), names, groups)
             carried = surfaces.carried(scene)
             seen = (surfaces.read(path, scene), surfaces.read_materials(path, scene)) if carried else (None, None)
@@ -71,7 +75,9 @@ def render(
             raise RenderError(f"{folder}: cannot write the render there; is the disk full? ({reason})") from error
     for layer in layers:
         times.get(layer.name, {})["samples"] = view_layers.samples_of(layer, scene)
-    return Rendered(replace(said, groups=channels, alpha=alpha), times, found, *seen)
+    found = () if guides is None else tuple({name: each[name] for name in guides} for each in seen_by)
+    estimated = noise.estimated(channels, seen_by) if is_estimated else channels
+    return Rendered(replace(said, groups=estimated, alpha=alpha), times, channels, found, *seen)
 
 
 def described(scene) -> CoefficientImage:

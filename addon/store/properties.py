@@ -176,6 +176,13 @@ class SceneSettings(PropertyGroup):
         default=True,
         update=_denoising_chosen,
     )
+    reduce_color_noise: BoolProperty(
+        name="Reduce Color Noise",
+        description="Take out of what is not denoised the noise of hue that several passes have and an RGB render has "
+        "not: each pass gets the brightness of all of them. Off: coefficients as they were sampled",
+        default=True,
+        update=_denoising_chosen,
+    )
     light_groups: CollectionProperty(type=LightGroup)
     active_light_group: IntProperty()
     white_balance: FloatProperty(
@@ -248,6 +255,11 @@ class SceneSettings(PropertyGroup):
     def denoises_passes(self) -> bool:
         """Whether the passes are denoised one by one before they are recombined."""
         return self.denoise_passes and self.id_data.cycles.use_denoising
+
+    @property
+    def estimates_passes(self) -> bool:
+        """Whether the passes are brought to one brightness before they are recombined, in the compositing."""
+        return self.reduce_color_noise and not self.denoises_passes and self.model().passes > 1
 
     @property
     def request(self) -> str:

@@ -77,6 +77,8 @@ class _LeftOut:
         settings = context.scene.relume
         if context.scene.cycles.use_denoising:
             self.layout.prop(settings, "denoise_passes")
+        if not settings.denoises_passes:
+            self.layout.prop(settings, "reduce_color_noise")
         key = _key(context.scene)
         if key not in _known:
             _known[key] = None

@@ -17,6 +17,7 @@ from .coefficient_image import EVERYTHING_ELSE, Block, gathered
 __all__ = [
     "check_unknown",
     "light_pass",
+    "has_guides",
     "read_guides",
     "read_materials",
     "read_pass",
@@ -131,6 +132,12 @@ def read_materials(path: str | Path, layer: str) -> dict[str, np.ndarray]:
         if covered.any():
             found[material] = covered
     return found
+
+
+def has_guides(path: str | Path, layers: Sequence[str]) -> bool:
+    """Whether `read_guides` has albedo and normal to read in every view layer."""
+    names = set(exr.names(Path(path)))
+    return all(f"{layer}.Denoising {name}" in names for layer in layers for name in ("Albedo.R", "Normal.X"))
 
 
 def read_guides(path: str | Path, layers: Sequence[str], names: Sequence[str]) -> list[dict[str, np.ndarray]]:

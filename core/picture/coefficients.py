@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import results
 from ..errors import CoefficientImageError, ResultError, UsageError
-from . import blender_exr, description, exr
+from . import blender_exr, description, exr, noise
 from .blender_exr import read_guides, read_materials, read_pass, read_render, read_render_times
 from .coefficient_image import EVERYTHING_ELSE, Block, CoefficientImage, gathered
 from .description import Description
@@ -43,6 +43,7 @@ __all__ = [
 ]
 
 _HEADER = "relume"
+_GUIDES = ("Albedo", "Normal")
 _ROWS = 64  # recombined and written at a time: the temporary arrays stay in the cache
 
 
@@ -188,6 +189,7 @@ def describe_all(
 def read(path: str | Path, scene: Description | None = None, layer: str | None = None) -> CoefficientImage:
     """Read a coefficient image that `write` wrote, or the coefficient passes of a render that any Blender wrote.
 
+    Where such a render stored what guides a denoiser in every pass, noise of colour is taken out (`noise.estimated`).
     scene: see `description.of_file`. layer: which of the artist's view layers, if not the first.
     CoefficientImageError says what the file lacks.
     """
@@ -223,8 +225,14 @@ def relit(
 def _blocks(path: Path, image: CoefficientImage, layers: Sequence[str]) -> Iterator[Block]:
     """The coefficients of a file that is described so, a few rows at a time."""
     if layers:
-        blender_exr.check_unknown(path, layers, list(image.illuminants))
-        yield from blender_exr.render_blocks(path, image.model, layers, list(image.illuminants))
+        groups = list(image.illuminants)
+        blender_exr.check_unknown(path, layers, groups)
+        blocks = blender_exr.render_blocks(path, image.model, layers, groups)
+        if blender_exr.has_guides(path, layers):
+            held, alpha = gathered(blocks)
+            guides = read_guides(path, layers, _GUIDES)
+            blocks = iter([Block(slice(0, len(alpha)), len(alpha), noise.estimated(held, guides), alpha)])
+        yield from blocks
         return
     for rows, height, found in exr.blocks(path, _wanted(image)):
         yield Block(rows, height, {group: found[group] for group in image.illuminants}, found[None][..., 0])

@@ -1,6 +1,7 @@
-"""Denoising: guided, and pass by pass; the picture once where that is chosen."""
+"""Denoising: guided, and pass by pass; the picture once where that is chosen. Without: noise of colour taken out."""
 
 import json
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -37,11 +38,16 @@ def composited(scene, path):
 
 
 def denoisers(scene):
-    return [node for node in scene.compositing_node_group.nodes if node.type == "DENOISE"]
+    trees = [scene.compositing_node_group, *(node.node_tree for node in noise_nodes(scene))]
+    return [node for tree in trees for node in tree.nodes if node.type == "DENOISE"]
+
+
+def noise_nodes(scene):
+    return [node for node in scene.compositing_node_group.nodes if nodes.role(node) == "noise"]
 
 
 def test_the_picture_is_denoised_once_with_the_guides_of_the_first_pass_where_that_is_chosen(noisy):
-    noisy.relume.denoise_passes = False
+    noisy.relume.denoise_passes = noisy.relume.reduce_color_noise = False
     setup.set_up(noisy)
     (node,) = denoisers(noisy)
     layers = view_layers.pass_layers(noisy)["ViewLayer"]
@@ -52,22 +58,48 @@ def test_the_picture_is_denoised_once_with_the_guides_of_the_first_pass_where_th
     assert not noisy.view_layers[0].cycles.denoising_store_passes
 
 
+def sampled(rendered):
+    return replace(rendered.image, groups=rendered.sampled)
+
+
 def test_every_pass_by_itself_in_the_compositor_is_what_the_command_makes(noisy, tmp_path):
     noisy.relume.denoise_passes = False
     setup.set_up(noisy)
     once = composited(noisy, tmp_path / "once.exr")
     noisy.relume.denoise_passes = True
-    assert len(denoisers(noisy)) == 3 * 2, "every light group of every pass"
+    assert len(denoisers(noisy)) == (3 + 1) * 2, "every light group of every pass, and of all"
     apart = composited(noisy, tmp_path / "apart.exr")
     rendered = render.render(noisy, tmp_path, guides=denoising.guides_of(noisy))
     lights = {row.name: row.light() for row in noisy.relume.light_groups}
-    by_command = render.picture(denoising.denoised_image(rendered.image, rendered.guides), lights)
+    by_command = render.picture(denoising.denoised_image(sampled(rendered), rendered.guides), lights)
     assert np.abs(apart - by_command).max() <= 1e-3 * by_command.max() < np.abs(apart - once).max()
     noisy.relume.light_groups["tungsten"].name = "left"
     noisy.relume.light_groups["left"].illuminant = "Sodium (low pressure)"
     assert not np.allclose(composited(noisy, tmp_path / "sodium.exr"), apart, atol=1e-2)
     setup.remove(noisy)
     assert noisy.compositing_node_group is None and len(noisy.view_layers) == 1
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_what_is_not_denoised_has_the_same_brightness_in_every_pass_in_the_compositor_too(noisy, tmp_path, elsewhere):
+    noisy.cycles.use_denoising = False
+    if elsewhere:
+        next(thing for thing in noisy.objects if thing.type == "LIGHT").lightgroup = ""
+    setup.set_up(noisy, bases.fitted(9))
+    assert not denoisers(noisy)
+    rendered = render.render(noisy, tmp_path)
+    assert rendered.guides == () and (coefficients.EVERYTHING_ELSE in rendered.image.groups) == elsewhere
+    lights = dict(zip(rendered.image.groups, noisy.relume.lights(), strict=True))
+    by_command = render.picture(rendered.image, lights)
+    estimated = composited(noisy, tmp_path / "estimated.exr")
+    np.testing.assert_allclose(estimated, by_command, rtol=1e-3, atol=1e-3)
+    noisy.relume.reduce_color_noise = False
+    assert not noise_nodes(noisy)
+    plain = composited(noisy, tmp_path / "plain.exr")
+    np.testing.assert_allclose(plain, render.picture(sampled(rendered), lights), rtol=1e-3, atol=1e-3)
+    assert np.abs(plain - estimated).max() > 0.1
+    setup.remove(noisy)
+    assert not [tree for tree in bpy.data.node_groups if tree.get(nodes.ROLE) == "noise" and tree.users]
 
 
 def test_another_light_shows_what_was_kept_as_a_render_denoises_it(noisy, tmp_path):
@@ -81,7 +113,7 @@ def test_another_light_shows_what_was_kept_as_a_render_denoises_it(noisy, tmp_pa
     tree = noisy.compositing_node_group
     (reader,) = [node for node in tree.nodes if node.type == "IMAGE"]
     assert len([socket for socket in reader.outputs if socket.is_linked]) == 3 * 2
-    assert not [node for node in denoisers(noisy) if node.outputs["Image"].is_linked]
+    assert not [socket for node in noise_nodes(noisy) for socket in node.outputs if socket.is_linked]
     noisy.cycles.samples = 1  # of which nothing is to be seen
     with follower.held():
         assert np.abs(composited(noisy, tmp_path / "read.exr") - first).max() <= 1e-5 * first.max()
@@ -104,7 +136,7 @@ def test_the_compositor_follows_the_artists_choice_of_guides(noisy):
 
 
 def test_each_pass_by_itself_leaves_the_least_error(noisy, tmp_path):
-    noisy.relume.denoise_passes = False
+    noisy.relume.denoise_passes = noisy.relume.reduce_color_noise = False
     setup.set_up(noisy, bases.fitted(9))
     rendered = render.render(noisy, tmp_path, guides=denoising.guides_of(noisy))
     assert len(rendered.guides) == 3 and set(rendered.guides[0]) == {"Albedo", "Normal"}

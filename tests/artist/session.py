@@ -205,7 +205,7 @@ def balance_the_white(chance, scene):
 
 @edit
 def change_how_samples_are_shared(chance, scene):
-    name = chance.choice(["split_samples", "same_seed", "denoise_passes"])
+    name = chance.choice(["split_samples", "same_seed", "denoise_passes", "reduce_color_noise"])
     setattr(scene.relume, name, not getattr(scene.relume, name))
     return f"{name} {getattr(scene.relume, name)}"
 

@@ -46,7 +46,8 @@ def picture():
 def fed_by():
     # What kind of node gives the recombination its coefficients
     tree = bpy.context.scene.compositing_node_group
-    (node,) = [n for n in tree.nodes if getattr(n, "node_tree", None)]
+    trees = {n: getattr(n, "node_tree", None) for n in tree.nodes}
+    (node,) = [n for n, group in trees.items() if group and group["relume_role"] == "recombination"]
     return {socket.links[0].from_node.type for socket in node.inputs if socket.name != "Alpha"}
 
 
@@ -69,7 +70,7 @@ def steps():
     scene.relume.light_groups.clear()
     operate(bpy.ops.relume.set_up)
     yield from pause()
-    assert fed_by() == {"DENOISE"}
+    assert fed_by() == {"GROUP"}
     yield from render()
     assert fed_by() == {"IMAGE"} and not writers(), "what was denoised is kept"
     first = picture()
@@ -106,12 +107,18 @@ def steps():
     scene.cycles.use_denoising = False
     edited("no denoising")
     yield from shown()
-    assert fed_by() == {"R_LAYERS"}
+    assert fed_by() == {"GROUP"}, "noise of colour is taken out of what was not kept"
+    yield from render()
+    assert fed_by() == {"IMAGE"}
     yield "3_without.png"
+    scene.relume.reduce_color_noise = False
+    edited("all noise")
+    yield from shown()
+    assert fed_by() == {"R_LAYERS"}
     scene.cycles.use_denoising = True
     edited("denoising")
     yield from shown()
-    assert fed_by() == {"IMAGE"}
+    assert fed_by() == {"GROUP"}
 
     scene.frame_start, scene.frame_end = 1, 2
     scene.render.filepath = str(FOLDER / "frame")
@@ -120,7 +127,7 @@ def steps():
     while bpy.app.is_job_running("RENDER"):
         yield
     yield from shown()
-    assert fed_by() == {"DENOISE"} and not writers(), "an animation keeps nothing"
+    assert fed_by() == {"GROUP"} and not writers(), "an animation keeps nothing"
 
     yield from render()
     assert fed_by() == {"IMAGE"}
@@ -132,7 +139,7 @@ def steps():
     assert fed_by() == {"IMAGE"}
     (module,) = [name for name in bpy.context.preferences.addons.keys() if name.endswith("relume")]
     bpy.ops.preferences.addon_disable(module=module)
-    assert fed_by() == {"DENOISE"}, "without the add-on the file is as it is saved"
+    assert fed_by() == {"GROUP"}, "without the add-on the file is as it is saved"
     yield "4_disabled.png"
 """
 )
