@@ -5,8 +5,9 @@
 A scene of spheres with a material each and lamps in groups of their own; every click gives one group an illuminant
 that it has not had, so that its relight matrix is fitted. What the error dots take comes after it, in processor time;
 the advice for a mix is worked out in pieces, of 3 and of 6 channels. Blender's own compositing is timed apart, on
-coefficients that it reads from a file, without a render: as it is after a render in a window, with the picture denoised
-at each change of light, and with each light group of each pass denoised, which is what every render does once.
+coefficients that it reads from a file, without a render: as it is after a render in a window; and with what every
+render does once: noise of colour taken out, or each light group of each pass denoised. Between the two, the picture
+denoised at each change of light.
 """
 
 import argparse
@@ -17,10 +18,11 @@ import numpy as np
 
 import relume
 
+from ..addon.graph import noise_nodes
 from ..addon.scene import content, exr, render, setup
 from ..addon.ui import expected
 from ..core.model import bases
-from ..core.picture import coefficients, expectation, recombination
+from ..core.picture import coefficients, expectation, noise, recombination
 from ..core.picture.mix import Light
 from ..core.spectra import library
 
@@ -98,13 +100,18 @@ def _compositing(folder, height: int, groups: int, channels: int) -> dict[str, f
     tree = scene.compositing_node_group
     (output,) = (node for node in tree.nodes if node.type == "GROUP_OUTPUT")
     (recombination_node,) = (node for node in tree.nodes if node.type == "GROUP")
-    guides = [_flat(name, size) for name in ("Albedo", "Normal")]
+    guides = {name: _flat(tree, name, size) for name in ("Albedo", "Normal")}
     seconds = {"read": _switches(scene)}
-    _denoise_before(tree, [output.inputs[0]], guides)
+    estimating = noise_nodes.estimating_group("estimating", names, channels)
+    denoising = noise_nodes.denoising_group(
+        "denoising", names, model.passes, noise.to_picture(model), list(guides), "Accurate"
+    )
+    for way, group in (("estimated", estimating), ("denoised", denoising)):
+        node = _before(tree, recombination_node, group, guides)
+        seconds[way] = _switches(scene)
+        _take_out(tree, node)
+    _denoise_before(tree, output.inputs[0], guides)
     seconds["picture denoised"] = _switches(scene)
-    _denoise_before(tree, [socket for socket in recombination_node.inputs if socket.is_linked], guides)
-    both = _switches(scene)
-    seconds["each pass denoised"] = both - seconds["picture denoised"] + seconds["read"]
     bpy.data.scenes.remove(scene)
     return seconds
 
@@ -120,23 +127,39 @@ def _switches(scene) -> float:
     return min(times)
 
 
-def _flat(name: str, size: tuple[int, int]):
-    image = bpy.data.images.new(name, *reversed(size), float_buffer=True)
-    image.colorspace_settings.name = "Non-Color"
-    return image
+def _flat(tree, name: str, size: tuple[int, int]):
+    """The output of a node that shows an even image, of 1 in blue: a normal, and an albedo."""
+    source = tree.nodes.new("CompositorNodeImage")
+    source.image = bpy.data.images.new(name, *reversed(size), float_buffer=True)
+    source.image.colorspace_settings.name = "Non-Color"
+    source.image.generated_color = (0.0, 0.0, 1.0, 1.0)
+    return source.outputs["Image"]
 
 
-def _denoise_before(tree, sockets: list, guides: list) -> None:
-    sources = []
-    for image in guides:
-        sources.append(tree.nodes.new("CompositorNodeImage"))
-        sources[-1].image = image
-    for socket in sockets:
-        node = tree.nodes.new("CompositorNodeDenoise")
-        tree.links.new(socket.links[0].from_socket, node.inputs["Image"])
-        for source, guide in zip(sources, ("Albedo", "Normal"), strict=True):
-            tree.links.new(source.outputs["Image"], node.inputs[guide])
-        tree.links.new(node.outputs["Image"], socket)
+def _before(tree, recombination_node, group, guides: dict):
+    node = tree.nodes.new("CompositorNodeGroup")
+    node.node_tree = group
+    for socket in node.inputs:
+        held = recombination_node.inputs.get(socket.name)
+        tree.links.new(held.links[0].from_socket if held else guides[socket.name.rpartition(" ")[0]], socket)
+    for socket in node.outputs:
+        tree.links.new(socket, recombination_node.inputs[socket.name])
+    return node
+
+
+def _take_out(tree, node) -> None:
+    for socket in node.outputs:
+        for link in list(socket.links):
+            tree.links.new(node.inputs[socket.name].links[0].from_socket, link.to_socket)
+    tree.nodes.remove(node)
+
+
+def _denoise_before(tree, socket, guides: dict) -> None:
+    node = tree.nodes.new("CompositorNodeDenoise")
+    tree.links.new(socket.links[0].from_socket, node.inputs["Image"])
+    for name, source in guides.items():
+        tree.links.new(source, node.inputs[name])
+    tree.links.new(node.outputs["Image"], socket)
 
 
 def main():
@@ -171,14 +194,17 @@ def main():
             flush=True,
         )
     print("\nCompositing, seconds on this machine's CPU, p = 9")
-    print("| height | light groups | read | picture denoised, over that | each pass denoised, over that |")
-    print("|---|---|---|---|---|")
+    print(
+        "| height | light groups | read | colour noise taken out, over that | picture denoised | each pass denoised |"
+    )
+    print("|---|---|---|---|---|---|")
     for frame in arguments.composited:
         height, groups = map(int, frame.split("x"))
         with tempfile.TemporaryDirectory() as folder:
             seconds = _compositing(Path(folder), height, groups, 9)
-        ratios = [seconds[way] / seconds["read"] for way in ("picture denoised", "each pass denoised")]
-        print(f"| {height} | {groups} | {seconds['read']:.2f} | {ratios[0]:.1f} | {ratios[1]:.1f} |", flush=True)
+        ratios = [seconds[way] / seconds["read"] for way in ("estimated", "picture denoised", "denoised")]
+        shown = " | ".join(f"{ratio:.1f}" for ratio in ratios)
+        print(f"| {height} | {groups} | {seconds['read']:.2f} | {shown} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -10,11 +10,14 @@ part of the pixel's own luminance squared; and in the picture, the mean variance
 Colour error: mean CIEDE2000 of a run to a long render of its own kind: as sampled; as shown, with noise of colour taken
 out; what was sampled, denoised by the picture alone; denoised with albedo and normal as guides, Blender's own way; and
 denoised as Relume does it by default. RGB has but one way to be denoised with guides. All variances are those as shown.
+Below the table stands what taking noise of colour out does to the long render of the first number of channels, and to
+that without its own noise, denoised.
 `--variants` takes away, one after the other, what keeps noise low. `--settings` changes one of Cycles' own settings of
 sampling at a time, of RGB as well: all are held against RGB as Cycles sets it, at the same samples.
 """
 
 import argparse
+import sys
 import tempfile
 import time
 from contextlib import ExitStack
@@ -30,7 +33,7 @@ from ..addon.scene import passes, render, setup
 from ..assets import make_room
 from ..core.colour import differences, spaces
 from ..core.model import bases, channel_order, upsample
-from ..core.picture import coefficients, recombination, sampling
+from ..core.picture import coefficients, noise, recombination, sampling
 from . import hard_scenes
 
 _SEED_STEP = 100  # passes with seeds of their own take those that follow each other
@@ -66,6 +69,9 @@ class Row:
     pictures: list = field(default_factory=list)
     clean: list = field(default_factory=list)  # of each run, as sampled, and denoised: alone, with guides, by default
     long_run: np.ndarray | None = None
+    long_versions: list = field(
+        default_factory=list
+    )  # what it shows; and denoised, before and after colour noise is taken
 
 
 def _with_seeds(scene, model) -> sampling.Sampling:
@@ -98,14 +104,17 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[f
             patches.enter_context(mock.patch.object(module, name, stand_in))
         setup.set_up(scene, bases.fitted(row.channels))
     began = time.process_time()
-    rendered = render.render(scene, path.parent, guides=None if seed == LONG_RUN else GUIDES)
+    rendered = render.render(scene, path.parent, guides=GUIDES)
     seconds = time.process_time() - began
     lights = {group.name: group.light() for group in scene.relume.light_groups}
     image = replace(rendered.image, groups=rendered.sampled)
     sampled = render.picture(image, lights)
+    clean = denoising.denoised_image(image, rendered.guides)
+    apart = render.picture(clean, lights)
     if seed == LONG_RUN:
-        return seconds, sampled, []
-    apart = render.picture(denoising.denoised_image(image, rendered.guides), lights)
+        guides = [{name: denoising.denoised(each) for name, each in guide.items()} for guide in rendered.guides]
+        again = replace(image, groups=noise.estimated(clean.groups, guides))
+        return seconds, sampled, [render.picture(rendered.image, lights), apart, render.picture(again, lights)]
     clean = [sampled, denoising.denoised(sampled), denoising.denoised(sampled, rendered.guides[0]), apart]
     return seconds, render.picture(rendered.image, lights), clean
 
@@ -171,10 +180,21 @@ def _table(rows: list[Row], white: np.ndarray) -> list[str]:
     return [*lines, "", f"ΔE2000 of RGB itself: {shown}"]
 
 
+def _converged(sampled: np.ndarray, versions: list, white: np.ndarray) -> str:
+    """What taking out noise of colour does to a long render, as sampled and denoised; mean and 99th percentile."""
+    to_xyz = upsample.rgb_to_xyz()
+    shown, clean, again = versions
+    said = []
+    for words, before, after in (("as sampled", sampled, shown), ("denoised", clean, again)):
+        difference = differences.picture_delta_E(after @ to_xyz.T, before @ to_xyz.T, white)
+        said.append(f"{words} {difference.mean():.3f}, p99 {np.quantile(difference, 0.99):.2f}")
+    return f"ΔE2000 by which noise of colour taken out changes the long render: {'; '.join(said)}"
+
+
 def _measure(path: Path, arguments) -> list[Row]:
     """All rows of one scene."""
     rows = [Row("RGB"), *(Row(f"p = {p}", p) for p in arguments.channels)]
-    long_runs = {row.channels: _render(row, path, arguments, LONG_RUN, arguments.long)[1] for row in rows}
+    long_runs = {row.channels: _render(row, path, arguments, LONG_RUN, arguments.long)[1:] for row in rows}
     if arguments.variants:
         p = arguments.channels[0]
         variants = _THRESHOLD if arguments.threshold else _VARIANTS
@@ -186,7 +206,7 @@ def _measure(path: Path, arguments) -> list[Row]:
         ]
     for run in range(arguments.runs):
         for row in rows:
-            row.long_run = long_runs[row.channels]
+            row.long_run, row.long_versions = long_runs[row.channels]
             seconds, picture, clean = _render(row, path, arguments, run + 1, arguments.samples)
             row.seconds.append(seconds)
             row.pictures.append(picture)
@@ -221,7 +241,8 @@ def main(argv: list[str] | None = None):
             rows = _measure(path, arguments)
             white = recombination.mixed_white(bases.bands(), setup.lighting(bpy.context.scene))
             print(f"\n{name}, {size[0]} × {size[1]} pixels, {arguments.samples} samples, {arguments.runs} runs:\n")
-            print("\n".join([*_table(rows, white), ""]), flush=True)
+            print("\n".join([*_table(rows, white), _converged(rows[1].long_run, rows[1].long_versions, white), ""]))
+            sys.stdout.flush()
 
 
 if __name__ == "__main__":

@@ -97,25 +97,30 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
     return tree
 
 
-def estimating_group(name: str, groups: Sequence[str], passes: int):
+def estimating_group(name: str, groups: Sequence[str], channels: int):
     """`noise.estimated` in nodes."""
+    passes = -(-channels // 3)
+    counts = [min(channels - 3 * k, 3) for k in range(passes)]
+    means = [(1 / count,) * count + (0.0,) * (3 - count) for count in counts]
 
     def inside(tools: _Nodes, images: dict[str, list], guides: list[dict]) -> dict[str, list]:
-        third = (1 / 3,) * 3
-        albedo = [tools.number("ADD", tools.dot(guide["Albedo"], third), noise.LEAST_ALBEDO) for guide in guides]
+        albedo = [
+            tools.number("ADD", tools.dot(guide["Albedo"], mean), noise.LEAST_ALBEDO)
+            for guide, mean in zip(guides, means, strict=True)
+        ]
         normal = tools.add("ShaderNodeVectorMath", guides[0]["Normal"], operation="LENGTH").outputs["Value"]
         surface = tools.number("MINIMUM", tools.number("MULTIPLY", normal, noise.SURE), 1.0)
-        return {group: _estimated(tools, each, albedo, surface) for group, each in images.items()}
+        return {group: _estimated(tools, each, means, albedo, surface) for group, each in images.items()}
 
     return _group(name, groups, passes, ["Albedo", "Normal"], inside)
 
 
-def _estimated(tools: _Nodes, images: list, albedo: list, surface) -> list:
+def _estimated(tools: _Nodes, images: list, means: list, albedo: list, surface) -> list:
     """The images of a light group. Three passes at a time are worked on as one vector."""
     passes = len(images)
     brightness = [
-        tools.number("MAXIMUM", tools.number("DIVIDE", tools.dot(image, (1 / 3,) * 3), below), 0.0)
-        for image, below in zip(images, albedo, strict=True)
+        tools.number("MAXIMUM", tools.number("DIVIDE", tools.dot(image, mean), below), 0.0)
+        for image, mean, below in zip(images, means, albedo, strict=True)
     ]
     threes = [tools.combine(*brightness[k : k + 3]) for k in range(0, passes, 3)]
 

@@ -202,7 +202,7 @@ def _composite(scene, picture, files, image: CoefficientImage, described) -> Non
     target = recombination
     if described and blender_exr.has_guides(next(iter(files.values())), layers):
         target = tree.nodes.new("CompositorNodeGroup")
-        target.node_tree = noise_nodes.estimating_group(f"Relume Noise {scene.name}", groups, image.model.passes)
+        target.node_tree = noise_nodes.estimating_group(f"Relume Noise {scene.name}", groups, image.model.channels)
         target.location = (200, 0)
         for socket in target.outputs:
             tree.links.new(socket, recombination.inputs[socket.name])

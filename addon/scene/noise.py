@@ -19,18 +19,18 @@ def choice(scene) -> list:
     if settings.denoises_passes:
         model = zlib.crc32(scene[properties.MODEL].encode())
         return ["denoised", model, denoising.guides_of(scene), denoising.prefilter_of(scene)]
-    return ["estimated"] if settings.estimates_passes else []
+    return ["estimated"] if settings.shares_brightness else []
 
 
 def group(scene, name: str, groups: list[str], passes: int):
     """A node group that does it, None where nothing is to be done."""
-    chosen = choice(scene)
+    settings, chosen = scene.relume, choice(scene)
     if not chosen:
         return None
     if chosen[0] == "estimated":
-        tree = noise_nodes.estimating_group(name, groups, passes)
+        tree = noise_nodes.estimating_group(name, groups, settings.model().channels)
     else:
-        matrices = to_picture(scene.relume.model())
+        matrices = to_picture(settings.model())
         tree = noise_nodes.denoising_group(name, groups, passes, matrices, *chosen[2:])
     tree[MADE] = json.dumps([groups, passes, *chosen])
     return tree

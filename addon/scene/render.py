@@ -56,7 +56,7 @@ def render(
     layers = next(iter(view_layers.pass_layers(scene).values()))
     names = [layer.name for layer in layers]
     groups = [row.name for row in scene.relume.lit]
-    is_estimated = scene.relume.reduce_color_noise and len(layers) > 1
+    is_estimated = scene.relume.shares_brightness
     said = described(scene)  # and what is wrong with it, before it takes long
     with results.scratch(folder) as temporary:
         path = temporary.absolute() / "passes.exr"

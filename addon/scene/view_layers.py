@@ -161,7 +161,7 @@ def _patch_pass(scene, source, layer, k: int, groups: list[str]) -> None:
         setattr(layer, name, False)
     # The denoiser's guides: those of the first pass do for the recombined picture
     guided = scene.cycles.use_denoising or source.cycles.denoising_store_passes
-    every = scene.relume.denoises_passes or scene.relume.estimates_passes
+    every = scene.relume.denoises_passes or scene.relume.shares_brightness
     for name, value in zip(_FOR_PASSES, (False, every or (guided and k == 0)), strict=True):
         if getattr(layer.cycles, name) != value:
             setattr(layer.cycles, name, value)

@@ -257,9 +257,9 @@ class SceneSettings(PropertyGroup):
         return self.denoise_passes and self.id_data.cycles.use_denoising
 
     @property
-    def estimates_passes(self) -> bool:
-        """Whether the passes are brought to one brightness before they are recombined, in the compositing."""
-        return self.reduce_color_noise and not self.denoises_passes and self.model().passes > 1
+    def shares_brightness(self) -> bool:
+        """Whether passes that are not denoised are brought to one brightness."""
+        return self.reduce_color_noise and not self.same_seed and self.model().passes > 1
 
     @property
     def request(self) -> str:

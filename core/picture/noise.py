@@ -55,13 +55,13 @@ def estimated(groups: Mapping[str, Array], guides: Sequence[Mapping[str, Array]]
     """
     if len(guides) < 2:
         return dict(groups)
-    height = len(guides[0]["Albedo"])
+    height, channels = len(guides[0]["Albedo"]), next(iter(groups.values())).shape[-1]
     found = {name: np.empty_like(values) for name, values in groups.items()}
     halo = BLUR + EROSION + 1
     for top in range(0, height, _ROWS):
         around = slice(max(top - halo, 0), min(top + _ROWS + halo, height))
         inner = slice(top - around.start, min(top + _ROWS, height) - around.start)
-        albedo = np.stack([guide["Albedo"][around].mean(axis=-1) for guide in guides], axis=-1)
+        albedo = _brightness([guide["Albedo"][around] for guide in guides], channels)
         surface = np.linalg.norm(guides[0]["Normal"][around], axis=-1, keepdims=True)
         for name, values in groups.items():
             factors = _factors(values[around], albedo + np.float32(LEAST_ALBEDO), surface)[inner]
@@ -79,7 +79,7 @@ def _factors(values: Array, albedo: Array, surface: Array) -> Array:
         return ndimage.gaussian_filter1d(across, sigma, axis=0, mode="nearest", truncate=3.0)
 
     passes = albedo.shape[-1]
-    brightness = np.stack([values[..., 3 * k : 3 * k + 3].mean(axis=-1) for k in range(passes)], axis=-1)
+    brightness = _brightness([values[..., 3 * k : 3 * k + 3] for k in range(passes)], values.shape[-1])
     brightness = np.maximum(brightness / albedo, 0.0)
     mean, wide = brightness.mean(axis=-1, keepdims=True), blurred(brightness)
     part = _ratio(brightness, mean)
@@ -92,6 +92,11 @@ def _factors(values: Array, albedo: Array, surface: Array) -> Array:
     agreed = part + np.clip(wanted - part, -limit, limit)
     agreed = _ratio(agreed, agreed.mean(axis=-1, keepdims=True))
     return np.where(part > 0.0, np.minimum(_ratio(agreed, part), MOST), 1.0)
+
+
+def _brightness(passes: Sequence[Array], channels: int) -> Array:
+    """(height, width, passes), means over the channels that the model has in each pass."""
+    return np.stack([each[..., : channels - 3 * k].mean(axis=-1) for k, each in enumerate(passes)], axis=-1)
 
 
 def _ratio(above: Array, below: Array) -> Array:

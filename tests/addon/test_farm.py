@@ -15,7 +15,7 @@ from relume.addon.cli import commands
 from relume.addon.scene import describe, exr, follower, render, setup
 from relume.core.colour import differences
 from relume.core.errors import CoefficientImageError
-from relume.core.picture import coefficients, description, note, recombination
+from relume.core.picture import coefficients, description, noise, note, recombination
 from relume.core.spectra import library
 
 NAME = "Küche, 2 'a'"  # of a light group
