@@ -49,6 +49,16 @@ def shared(tmp_path_factory):
     return cache(lambda name: tmp_path_factory.mktemp(name.replace(" ", "_")))
 
 
+@pytest.fixture(scope="module")
+def chart_page(chart, tmp_path_factory):
+    """The page of the chart with the lamps of these tests alone: with all of them it takes a quarter of a minute."""
+    from relume.core.web import page
+
+    path = tmp_path_factory.mktemp("page") / "chart.html"
+    page.write(path, [page.Picture("chart", {1: lambda: chart})], names=[*LAMPS, "D 9000 K"])
+    return path
+
+
 def compared(browser, page: Path, source: Path, query: str, degree: float = 0.0, lamps=LAMPS):
     """ΔE of every pixel under ten lamps, chosen by the address; the light groups get them in turn.
 
