@@ -22,7 +22,7 @@ oldest: .venv-oldest/.complete ## Run the core's and the add-on's tests, or TEST
 	.venv-oldest/bin/pytest --numprocesses 2 --dist loadfile $(or $(TESTS),tests/core tests/addon)
 
 torture: .venv/.complete ## Hostile input by the thousand (under half an hour); RELUME_SEED=N makes the same cases again
-	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py tests/core/test_palette_solve.py -m ""
+	RELUME_TORTURE=$${RELUME_TORTURE:-1} RELUME_SEED=$${RELUME_SEED:-$$(date +%s)} .venv/bin/pytest tests/faults tests/test_readme.py tests/core/test_palette_solve.py tests/addon/test_fidelity.py -m ""
 
 lint: .venv/.complete ## Check style, format, types, and who imports whom
 	.venv/bin/ruff check .

@@ -41,14 +41,23 @@ def _typed(line: str, folder: Path, **environment) -> str:
     return done.stdout
 
 
-def test_commands(clone, tmp_path):
-    """In this environment, with the clone in the place of the installed Relume."""
-    pytest.importorskip("bpy", reason="commands need bpy")
+def _make_coarse(blend: Path):
+    """Give a scene few samples: what commands print and write is tested here, not what they render."""
+    import bpy
+
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    bpy.context.scene.cycles.samples = 6
+    bpy.ops.wm.save_mainfile()
+
+
+def test_commands(relume, clone, tmp_path):
+    """In this environment, with the clone in the place of the installed Relume; its room has few samples."""
     if not (ROOT / ".venv").exists():
         pytest.skip("`make` has made no environment here")
     (clone / ".venv").symlink_to((ROOT / ".venv").resolve())
     (tmp_path / "path").mkdir()
     (tmp_path / "path/relume").symlink_to(clone)
+    _make_coarse(clone / "assets/room.blend")
     for name, content in re.findall(
         r"^```{code-block} text\n:caption: (\S+)\n(.*?)^```", PAGES, re.MULTILINE | re.DOTALL
     ):

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -41,9 +42,21 @@ def home(typed, monkeypatch):
     return typed
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The folder of the one render that every test gets a copy of."""
+    return tmp_path_factory.mktemp("rendered")
+
+
 @pytest.fixture
-def rendered(typed):
-    assert commands.execute(["render", "little.blend", *CHEAP]) == 0
+def rendered(typed, made, monkeypatch):
+    """The same folder, with the small room rendered in it."""
+    if not any(made.iterdir()):
+        shutil.copy2(typed / "little.blend", made)
+        with monkeypatch.context() as there:
+            there.chdir(made)
+            assert commands.execute(["render", "little.blend", *CHEAP]) == 0
+    shutil.copytree(made, typed, dirs_exist_ok=True)
     return typed
 
 

@@ -1,6 +1,7 @@
 """`relume report`: error against run time, resumable, with the planner's choice among the rows."""
 
 import json
+import shutil
 import subprocess
 import sys
 import types
@@ -17,13 +18,21 @@ from relume.core.picture import coefficients
 ARGUMENTS = ("--channels", "6", "--models", "rgb", "fitted", "--samples", "4", "--percent", "6")
 
 
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The folder of the one report that every test gets a copy of."""
+    return tmp_path_factory.mktemp("report")
+
+
 @pytest.fixture
-def reported(room, tmp_path):
-    scene = tmp_path / "little.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(scene))
-    arguments = ["report", str(scene), *ARGUMENTS, "--out", str(tmp_path / "out")]
-    assert commands.execute(arguments) == 0
-    return arguments, tmp_path / "out"
+def reported(room, made, tmp_path):
+    """A report of a small room, whole: the words that made it, and its folder."""
+    scene = made / "little.blend"
+    if not scene.exists():
+        bpy.ops.wm.save_as_mainfile(filepath=str(scene))
+        assert commands.execute(["report", str(scene), *ARGUMENTS, "--out", str(made / "out")]) == 0
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True)
+    return ["report", str(tmp_path / "little.blend"), *ARGUMENTS, "--out", str(tmp_path / "out")], tmp_path / "out"
 
 
 def rows_of(folder):

@@ -109,12 +109,21 @@ def patches():
     return library.reflectances("colorchecker")[:10]
 
 
-def test_scene_is_better_on_its_own_products(patches):
-    lights = [library.illuminant(name) for name in ("A", "FL2")]
-    own = np.stack([patch.sampled() for patch in patches])
-    model = bases.scene(6, patches, lights)
+@pytest.fixture(scope="module")
+def lit_by():
+    return [library.illuminant(name) for name in ("A", "FL2")]
+
+
+@pytest.fixture(scope="module")
+def own_model(patches, lit_by):
+    """Six channels for the patches under two lights; finding it takes seconds."""
+    return bases.scene(6, patches, lit_by)
+
+
+def test_scene_is_better_on_its_own_products(own_model, patches, lit_by):
+    own, model = np.stack([patch.sampled() for patch in patches]), own_model
     assert model.filters.min() >= 0
-    power = [light.sampled() for light in lights]
+    power = [light.sampled() for light in lit_by]
     ours = np.concatenate([errors(model, own, power, count) for count in (1, 2, 3)])
     general = np.concatenate([errors(bases.fitted(6), own, power, count) for count in (1, 2, 3)])
     assert np.percentile(ours, 99) < min(0.5, 0.6 * np.percentile(general, 99))
@@ -133,15 +142,13 @@ def test_known_lights_are_exact_for_every_reflectance(channels, names, lobes, pa
     assert model.coefficients(patches).min() > 0
 
 
-def test_scene_is_no_worse_elsewhere_than_its_bound(patches, vrhel, cie_lights):
-    model = bases.scene(6, patches, [library.illuminant("A"), library.illuminant("FL2")])
+def test_scene_is_no_worse_elsewhere_than_its_bound(own_model, vrhel, cie_lights):
     general = np.percentile(errors(bases.fitted(6), vrhel, cie_lights), 99)
-    assert np.percentile(errors(model, vrhel, cie_lights), 99) < 2.5 * general
+    assert np.percentile(errors(own_model, vrhel, cie_lights), 99) < 2.5 * general
 
 
-def test_scene_survives_json(patches):
-    model = bases.scene(6, patches[:3], [library.illuminant("D65")])
-    again = type(model).from_dict(model.to_dict())
+def test_scene_survives_json(own_model):
+    model, again = own_model, type(own_model).from_dict(own_model.to_dict())
     light = Spectrum(WAVELENGTHS, np.linspace(0.2, 1, 81), kind="illuminant")
     assert np.array_equal(again.filters, model.filters)
     np.testing.assert_allclose(again.relight(light), model.relight(light), rtol=0, atol=1e-9)

@@ -1,6 +1,7 @@
 """Designs as TOML, the example designs, the command, and the worked example of [BMD] step by step."""
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,9 @@ colour = "#808080"
 """
 
 
+@cache
 def solved(name):
+    """An example, designed once for all tests: its Solution, and the report of it."""
     solution = palette.create(palette.read(DESIGNS / f"{name}.toml"))
     return solution, palette.report(solution)
 
@@ -77,8 +80,7 @@ def test_equation_23():
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_meet_their_demands(path):
-    solution = palette.create(palette.read(path))
-    report = palette.report(solution)
+    solution, report = solved(path.stem)
     assert solution.converged and not solution.slack
     assert max(cell.error for cell in report.cells) < 0.1
     assert all(met for *_, met in report.differences)
@@ -90,7 +92,7 @@ def test_a_design_survives_as_json(path):
     first = palette.read(path)
     again = palette.from_dict(json.loads(json.dumps(palette.to_dict(first))))
     assert palette.to_dict(again) == palette.to_dict(first)
-    np.testing.assert_array_equal(palette.create(again).state.reflectances, palette.create(first).state.reflectances)
+    np.testing.assert_array_equal(palette.create(again).state.reflectances, solved(path.stem)[0].state.reflectances)
 
 
 def test_all_that_a_design_can_say(tmp_path):

@@ -13,8 +13,12 @@ from . import outcome
 pytest.importorskip("bpy", reason="commands need bpy")
 
 RENDER = "relume render room.blend --samples 3 --channels 3"
-NAMES = ["room.blend", "my room.blend", "it's.blend", 'say "so".blend', "Räume.blend", "-dash.blend", "a=b.blend"]
-NAMES += ["100%.blend", "#1.blend", "room.final.v2.blend", "{x}.blend", "$HOME.blend"]
+# Every start costs seconds: in `make test` what is awkward stands in one name, in `make torture` also by itself
+NAMES = ["room.blend", "-dash.blend", 'it\'s "so", a=b, 100%, #1, v2.Räume {x} $HOME.blend']
+ALONE = ["my room.blend", "it's.blend", 'say "so".blend', "Räume.blend", "a=b.blend"]
+ALONE += ["100%.blend", "#1.blend", "room.final.v2.blend", "{x}.blend", "$HOME.blend"]
+OUT = ["", "--out 'two words'", "--out ~/home"]
+OUT_TOO = ["--out .", "--out ./", "--out sub", "--out ../room-out", '--out "it\'s"']
 
 
 @pytest.fixture
@@ -32,10 +36,12 @@ def _done(line, folder, **environment):
     return ended
 
 
-@pytest.mark.parametrize(
-    "out",
-    ["", "--out .", "--out ./", "--out sub", "--out 'two words'", "--out ../room-out", "--out ~/home", '--out "it\'s"'],
-)
+def _rarely(cases) -> list:
+    """The cases, in `make torture` only."""
+    return [pytest.param(case, marks=pytest.mark.torture) for case in cases]
+
+
+@pytest.mark.parametrize("out", [*OUT, *_rarely(OUT_TOO)])
 def test_render_says_what_it_wrote_and_wrote_it(scene, out, settle, monkeypatch):
     monkeypatch.setenv("HOME", str(scene))
     (scene / "stand here").mkdir()
@@ -60,7 +66,7 @@ def test_relight_into_the_folder_where_one_stands(scene, settle):
     settle(outcome.RIGHT, 4)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, *_rarely(ALONE)])
 def test_scenes_of_any_name(scene, name, settle):
     (scene / "room.blend").rename(scene / name)
     typed = shlex.quote(f"./{name}" if name.startswith("-") else name)
@@ -85,38 +91,67 @@ def test_frames_and_their_sequence(scene, settle):
     settle(outcome.RIGHT, 2)
 
 
-@pytest.mark.parametrize(
-    ("line", "words"),
-    [
-        ("relume", "usage"),
-        ("relume rendr room.blend", "invalid choice"),
-        ("relume render", "SCENE.blend"),
-        ("relume render nothing.blend", "nothing.blend: no such file"),
-        ("relume render .", "folder"),
-        ("relume render room.png", "room.png"),
-        ("relume render -dash.blend", "-dash.blend"),
-        ("relume render 'room.blend\n'", "no such file"),
-        ("relume relight nothing.exr --out x.png", "nothing.exr: no such file"),
-        ("relume relight room.blend --out x.png", "room.blend"),
-        ("relume relight . --out x.png", "folder"),
-        ("relume relight empty.exr --out x.png", "empty.exr"),
-        ("relume relight 'frame_####.exr' --out 'x_####.png'", "frame_####.exr"),
-        ("relume relight 'a##b##.exr' --out 'x_####.png'", "#"),
-        ("relume report nothing.blend", "nothing.blend: no such file"),
-        ("relume report room.blend --channels 0", "0"),
-        ("relume report room.blend --models best", "best"),
-        ("relume tables --nonsense", "--nonsense"),
-    ],
+CANNOT = [
+    ("relume", "usage"),
+    ("relume rendr room.blend", "invalid choice"),
+    ("relume render", "SCENE.blend"),
+    ("relume render nothing.blend", "nothing.blend: no such file"),
+    ("relume render .", "folder"),
+    ("relume render room.png", "room.png"),
+    ("relume render -dash.blend", "-dash.blend"),
+    ("relume render 'room.blend\n'", "no such file"),
+    ("relume relight nothing.exr --out x.png", "nothing.exr: no such file"),
+    ("relume relight room.blend --out x.png", "room.blend"),
+    ("relume relight . --out x.png", "folder"),
+    ("relume relight empty.exr --out x.png", "empty.exr"),
+    ("relume relight 'frame_####.exr' --out 'x_####.png'", "frame_####.exr"),
+    ("relume relight 'a##b##.exr' --out 'x_####.png'", "#"),
+    ("relume report nothing.blend", "nothing.blend: no such file"),
+    ("relume report room.blend --channels 0", "0"),
+    ("relume report room.blend --models best", "best"),
+    ("relume tables --nonsense", "--nonsense"),
+]
+IN_A_SHELL = (
+    "relume",
+    "relume rendr room.blend",
+    "relume render 'room.blend\n'",
+    "relume relight empty.exr --out x.png",
 )
-def test_what_cannot_be_done_is_said_in_a_line(scene, line, words, settle):
+
+
+@pytest.fixture
+def refused(scene, settle):
+    """A function: what a line prints that has to be refused, and to change nothing; `typed` runs it in a folder."""
     (scene / "room.png").write_text("no scene at all")
     (scene / "empty.exr").write_bytes(b"")
-    before = outcome.files_of(scene)
-    ended = outcome.typed(line, scene)
-    assert outcome.of_command(ended) == outcome.SAID or line == "relume", ended
-    assert words in ended.err, ended
-    assert outcome.files_of(scene) == before
-    settle(outcome.SAID)
+
+    def of(line, typed) -> str:
+        before = outcome.files_of(scene)
+        ended = typed(line, scene)
+        assert outcome.of_command(ended) == outcome.SAID or line == "relume", ended
+        assert outcome.files_of(scene) == before
+        settle(outcome.SAID)
+        return ended.err
+
+    return of
+
+
+@pytest.mark.parametrize(("line", "words"), CANNOT)
+def test_what_cannot_be_done_is_said_in_a_line(relume, refused, line, words, monkeypatch, capfd):
+    """In this process, where it costs no start."""
+    from relume.addon.cli import commands
+
+    def typed(line, folder) -> outcome.Ended:
+        monkeypatch.chdir(folder)
+        capfd.readouterr()
+        return outcome.Ended(commands.execute(shlex.split(line)[1:]), *capfd.readouterr())
+
+    assert words in refused(line, typed)
+
+
+@pytest.mark.parametrize("line", [*IN_A_SHELL, *_rarely(line for line, _ in CANNOT if line not in IN_A_SHELL)])
+def test_what_cannot_be_done_is_said_in_a_shell(refused, line):
+    assert dict(CANNOT)[line] in refused(line, outcome.typed)
 
 
 def test_a_command_prints_nothing_of_blender(scene, settle):

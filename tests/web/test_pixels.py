@@ -2,6 +2,7 @@
 
 import shlex
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -42,15 +43,35 @@ def room_exr(relume, tmp_path_factory):
     return folder / "room.exr"
 
 
-def compared(browser, page: Path, source: Path, folder: Path, query: str, degree: float = 0.0, lamps=LAMPS):
-    """ΔE of every pixel under ten lamps, chosen by the address; the light groups get them in turn."""
+@pytest.fixture(scope="module")
+def shared(tmp_path_factory):
+    """shared(name): a folder for what every browser and renderer is compared with, and which is made once."""
+    return cache(lambda name: tmp_path_factory.mktemp(name.replace(" ", "_")))
+
+
+@pytest.fixture(scope="module")
+def chart_page(chart, tmp_path_factory):
+    """The page of the chart with the lamps of these tests alone: with all of them it takes a quarter of a minute."""
+    from relume.core.web import page
+
+    path = tmp_path_factory.mktemp("page") / "chart.html"
+    page.write(path, [page.Picture("chart", {1: lambda: chart})], names=[*LAMPS, "D 9000 K"])
+    return path
+
+
+def compared(browser, page: Path, source: Path, query: str, degree: float = 0.0, lamps=LAMPS):
+    """ΔE of every pixel under ten lamps, chosen by the address; the light groups get them in turn.
+
+    The pictures of `relume relight` stay beside the page, for the next browser.
+    """
     groups = list(coefficients.describe(source).groups)
     found = []
     for turn, lamp in enumerate(lamps):
         chosen = [f"{group}={LAMPS[(turn + 3 * g) % len(LAMPS)]}*{1 + 0.5 * g:g}" for g, group in enumerate(groups)]
         chosen[0] = f"{groups[0]}={lamp}*1"
-        picture = folder / f"{turn}.png"
-        relume_command("relight", source, "--light", *chosen, "--white", degree, "--out", picture)
+        picture = page.with_name(f"{turn}.png")
+        if not picture.exists():
+            relume_command("relight", source, "--light", *chosen, "--white", degree, "--out", picture)
         if turn == 0:
             browser.open(page, query)
         words = "&".join(f"light={_quoted(words)}" for words in chosen)
@@ -67,15 +88,15 @@ def _quoted(text):
 
 @pytest.mark.parametrize("renderer", ["cpu", "gpu"])
 @pytest.mark.parametrize("scene", ["chart", "room"])
-def test_the_page_shows_what_relight_makes(browser, request, relume, tmp_path, renderer, scene):
+def test_the_page_shows_what_relight_makes(browser, request, relume, shared, renderer, scene):
     if renderer == "gpu" and not browser.has_webgl():
         pytest.skip(f"{browser.name} has no WebGL2 here")
     source = request.getfixturevalue(f"{scene}_exr")
-    # A browser rounds to a byte, and the groups have other lamps and gains here than where quality is measured
-    relume_command("web", source, "--quality", "0.7", "--out", tmp_path / "page.html")
-    found = compared(
-        browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}", 0.5 if scene == "chart" else 0
-    )
+    page = shared(scene) / "page.html"
+    if not page.exists():
+        # A browser rounds to a byte, and the groups have other lamps and gains here than where quality is measured
+        relume_command("web", source, "--quality", "0.7", "--out", page)
+    found = compared(browser, page, source, f"?renderer={renderer}", 0.5 if scene == "chart" else 0)
     median, most = np.percentile(found.reshape(len(found), -1), [50, 98], axis=1)  # of each lamp by itself
     worst = LAMPS[most.argmax()]
     print(browser.name, renderer, scene, f"median {median.max():.2f}, 98 % {most.max():.2f} under {worst}")
@@ -102,16 +123,17 @@ VIEWS = {
         ("standard", "gpu"),
     ],
 )
-def test_the_view_transform_is_blenders(browser, relume, chart, tmp_path, renderer, view):
+def test_the_view_transform_is_blenders(browser, relume, chart, shared, renderer, view):
     if renderer == "gpu" and not browser.has_webgl():
         pytest.skip(f"{browser.name} has no WebGL2 here")
-    source = tmp_path / "agx.exr"
-    shown = replace(chart, view={**chart.view, **VIEWS[view]})
-    coefficients.write(source, shown, chart.groups["key"][..., :3])
-    relume_command("web", source, "--quality", "0.5", "--lamps", *LAMPS, "--out", tmp_path / "page.html")
+    source, page = shared(view) / "chart.exr", shared(view) / "page.html"
+    if not page.exists():
+        shown = replace(chart, view={**chart.view, **VIEWS[view]})
+        coefficients.write(source, shown, chart.groups["key"][..., :3])
+        relume_command("web", source, "--quality", "0.5", "--lamps", *LAMPS, "--out", page)
     # What `relume relight` writes as PNG is Blender's own Image.save_render
     lamps = LAMPS if view == "agx" else LAMPS[4:7]
-    found = compared(browser, tmp_path / "page.html", source, tmp_path, f"?renderer={renderer}", lamps=lamps)
+    found = compared(browser, page, source, f"?renderer={renderer}", lamps=lamps)
     median, most = np.percentile(found, [50, 98])
     print(browser.name, renderer, view, f"median {median:.2f}, 98 % {most:.2f}")
     assert median <= 0.5 and most <= 1.0
