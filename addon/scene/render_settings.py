@@ -187,6 +187,12 @@ def give_back(scene) -> None:
     if _BEFORE not in scene:
         return
     before, kept = scene[_BEFORE].to_dict(), own(scene)
+    # What stops it on the way leaves what is the artist's for the next call: settings alone no longer say
+    scene[_BEFORE] = before | {path: value for path, value in kept.items() if value is not None}
+    for path in [path for path, value in kept.items() if value is None and path in before]:
+        del scene[_BEFORE][path]
+    if _PUT in scene:
+        del scene[_PUT]
     _stop_driving(scene, before["driven"].split(), before["had_animation"])
     view_layers.forget_drivers(scene)
     for path, value in reversed(kept.items()):
@@ -195,9 +201,7 @@ def give_back(scene) -> None:
             struct.property_unset(name)
         else:
             _put(struct, name, value)
-    for key in (_BEFORE, _PUT):
-        if key in scene:
-            del scene[key]
+    del scene[_BEFORE]
 
 
 def is_previewing() -> bool:

@@ -31,7 +31,7 @@ __all__ = [
 
 BLUR = 12  # pixels, three standard deviations of the Gaussian: Blender's compositor calls that its size
 EROSION = 6  # pixels around, in which noise is smallest
-LEAST_ALBEDO = 0.02  # brightness is divided by the albedo and this
+LEAST_ALBEDO = 0.001  # brightness is divided by the albedo and this
 SURE = 4.0  # times the length of its normal, the part of a pixel that is taken to be no light itself
 AGREED = 3.0  # times the noise, the most by which a pass is changed in relation to the mean of all
 MOST = 4.0  # times, the most by which a pixel of a pass is made brighter

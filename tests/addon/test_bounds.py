@@ -43,7 +43,6 @@ def color_of(node):
 def worst(scene, folder) -> float:
     """ΔE2000 of the spectral render under D65 to Blender's own, 98th percentile."""
     plain = rgb_render(scene, folder)
-    scene.relume.reduce_color_noise = False  # which knows structure from noise by nothing but its being smooth
     setup.set_up(scene, bases.fitted(9))
     image = render.render(scene, folder).image
     lit = render.picture(image, {row.name: row.light() for row in scene.relume.light_groups})

@@ -46,7 +46,6 @@ def test_surfaces_are_carried_with_what_is_negative(scene, tmp_path):
 
 def test_a_reflectance_is_tried_on_as_it_renders(scene, tmp_path):
     surfaces.add(scene)
-    scene.relume.reduce_color_noise = False
     done = render.render(scene, tmp_path)
     green, model = library.reflectance("ColorChecker: green"), done.image.model
     light = sum(done.image.groups.values())
