@@ -1,9 +1,12 @@
 """Ways to denoise a spectral render: what each leaves of the error of colour, over Blender's own denoised RGB.
 
-`python -m relume.benchmarks.denoisers [--samples N] [--percent P] [--runs R] [--long N] [--scenes NAME ...]`
+`python -m relume.benchmarks.denoisers [--samples N] [--percent P] [--runs R] [--long N] [--scenes NAME ...]
+[--picture FILE]`
 
 Nine channels, samples shared among the passes, on the scenes of `overhead`. Error: mean CIEDE2000 to a long render of
-the same kind, over that of RGB denoised with albedo and normal as guides.
+the same kind, over that of RGB denoised with albedo and normal as guides. Below it stands by how much what is left of
+noise in two passes correlates: relative errors of brightness, in the first light group. `--picture` shows a part of the
+first scene's first run.
 """
 
 import argparse
@@ -17,14 +20,18 @@ import numpy as np
 
 from ..addon.host import denoising
 from ..addon.scene import render, setup
-from ..core.colour import differences
+from ..core.colour import differences, spaces
 from ..core.model import bases, upsample
 from ..core.picture import noise, recombination
 from ..core.picture.coefficients import CoefficientImage
 from ..core.picture.mix import Mix
+from ..studies import figures
 from . import overhead
 
 _LEAST = 1e-6  # what light is divided by
+_WIDTH = 480  # pixels of each picture that is shown, at least
+_SHOWN = "as shown: noise of colour taken out"
+_DEFAULT = "**both: as it is set up, and by `relume render`**"
 
 
 def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
@@ -39,14 +46,15 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
     equalised = _equalised(coefficients, parts, joint)
 
     def ours(image: CoefficientImage = image, guides=guides, **without) -> np.ndarray:
-        with mock.patch.multiple(noise, **without):
+        with mock.patch.multiple(noise, **({"SHARE": noise.SHARE} | without)):
             return render.picture(denoising.denoised_image(image, guides), lights)
 
     straight = {"mirrored": lambda index: (False, False)}
     apart = ours(SHARE=0.0, **straight)
     together = denoising.denoised(picture, joint)
     return {
-        "as rendered": picture,
+        "as sampled": picture,
+        _SHOWN: render.picture(rendered.image, lights),
         "the picture alone": denoising.denoised(picture),
         "guides of the first pass (without *Denoise Every Pass*)": denoising.denoised(picture, guides[0]),
         "guides of all passes": together,
@@ -57,7 +65,7 @@ def _ways(rendered: render.Rendered, lights: dict) -> dict[str, np.ndarray]:
         "the same, and the picture once more": denoising.denoised(apart, joint),
         "every pass as another mirror image": ours(SHARE=0.0),
         "every pass, held to the picture of a light group": ours(**straight),
-        "**both: as it is set up, and by `relume render`**": ours(),
+        _DEFAULT: ours(),
         "the same, with noise of colour taken out first": ours(rendered.image),
         "luminance of the picture with all guides, colour of the passes": _with_luminance(apart, together),
         "luminance of the passes, colour of the picture with all guides": _with_luminance(together, apart),
@@ -123,19 +131,80 @@ def _spectral(path: Path, arguments, seed: int) -> tuple[render.Rendered, dict]:
     return rendered, {group.name: group.light() for group in scene.relume.light_groups}
 
 
-def _measure(path: Path, arguments) -> dict[str, float]:
-    """{way: error over RGB's}."""
+def _correlations(rendered: render.Rendered, truth: np.ndarray) -> dict[str, float]:
+    """{words: mean over pairs of passes}; truth: coefficients of the first light group."""
+
+    def brightness(values) -> np.ndarray:
+        return values.reshape(*values.shape[:2], -1, 3).sum(axis=-1)
+
+    def found(groups) -> float:
+        true = np.maximum(brightness(truth), 1e-3)
+        error = np.clip(brightness(next(iter(groups.values()))) / true - 1.0, -1.0, 1.0)
+        matrix = np.corrcoef(error.reshape(-1, error.shape[-1]).T)
+        return float(matrix[np.triu_indices(len(matrix), 1)].mean())
+
+    def apart(groups, **without) -> float:
+        with mock.patch.multiple(noise, SHARE=0.0, **without):
+            image = replace(rendered.image, groups=groups)
+            return found(denoising.denoised_image(image, rendered.guides).groups)
+
+    straight = {"mirrored": lambda index: (False, False)}
+    return {
+        "as sampled": found(rendered.sampled),
+        "noise of colour taken out": found(rendered.image.groups),
+        "every pass denoised": apart(rendered.sampled, **straight),
+        "every pass as another mirror image": apart(rendered.sampled),
+        "noise of colour taken out, then every pass denoised": apart(rendered.image.groups, **straight),
+    }
+
+
+def _draw(file: Path, plain: np.ndarray, ways: dict[str, np.ndarray], guides: dict) -> None:
+    """The middle of a run's pictures, in two rows: not denoised, and denoised."""
+    shown = {
+        "Blender's RGB": plain,
+        "nine channels as sampled": ways["as sampled"],
+        "noise of colour taken out": ways[_SHOWN],
+        "RGB, denoised": denoising.denoised(plain, guides),
+        "nine channels, the picture denoised": ways["guides of all passes"],
+        "nine channels, denoised by default": ways[_DEFAULT],
+    }
+    height, width, _ = plain.shape
+    middle = (slice(height // 4, 3 * height // 4), slice(width // 4, 3 * width // 4))
+    scale = -(-_WIDTH // (width // 2))
+    figures.picture_row(
+        file,
+        [(title, np.kron(spaces.srgb_encoded(p[middle]), np.ones((scale, scale, 1)))) for title, p in shown.items()],
+        columns=3,
+    )
+
+
+def _measure(path: Path, arguments, file: Path | None) -> tuple[dict[str, float], dict[str, float]]:
+    """{way: error over RGB's} and {way: correlation}."""
     truth, _ = _plain(path, arguments, 0)
     long_run, lights = _spectral(path, arguments, 0)
-    spectral_truth = render.picture(long_run.image, lights)
+    spectral_truth = render.picture(replace(long_run.image, groups=long_run.sampled), lights)
     white = recombination.mixed_white(bases.bands(), Mix(lights))
-    plain, found = [], {}
+    plain, found, related = [], {}, {}
     for seed in range(1, arguments.runs + 1):
         picture, guides = _plain(path, arguments, seed)
         plain.append(_error(denoising.denoised(picture, guides), truth, white))
-        for words, way in _ways(*_spectral(path, arguments, seed)).items():
+        rendered, lights = _spectral(path, arguments, seed)
+        ways = _ways(rendered, lights)
+        if file and seed == 1:
+            _draw(file, picture, ways, guides)
+        for words, way in ways.items():
             found.setdefault(words, []).append(_error(way, spectral_truth, white))
-    return {words: np.mean(errors) / np.mean(plain) for words, errors in found.items()}
+        for words, each in _correlations(rendered, next(iter(long_run.sampled.values()))).items():
+            related.setdefault(words, []).append(each)
+    errors = {words: np.mean(each) / np.mean(plain) for words, each in found.items()}
+    return errors, {words: np.mean(each) for words, each in related.items()}
+
+
+def _print(head: str, columns: dict[str, dict[str, float]]) -> None:
+    print(f"\n| {head} |" + "".join(f" {name} |" for name in columns))
+    print("|---|" + "---|" * len(columns))
+    for words in next(iter(columns.values())):
+        print(f"| {words} |" + "".join(f" {column[words]:.2f} |" for column in columns.values()), flush=True)
 
 
 def main(argv: list[str] | None = None):
@@ -146,22 +215,22 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--long", type=int, default=2048, metavar="N", help="samples of the long renders (2048)")
     scenes = list(overhead.SCENES)
     parser.add_argument("--scenes", nargs="+", choices=scenes, default=scenes, metavar="NAME", help="(all)")
+    parser.add_argument("--picture", type=Path, metavar="FILE")
     arguments = parser.parse_args(argv)
 
     from .. import register
 
     register()
-    columns = {}
+    errors, correlations = {}, {}
     with tempfile.TemporaryDirectory() as temporary:
         for name in arguments.scenes:
             path = Path(temporary) / f"{name}.blend"
             overhead.SCENES[name]()
             bpy.ops.wm.save_as_mainfile(filepath=str(path))
-            columns[name] = _measure(path, arguments)
-    print("\n| ΔE2000 over RGB's, denoised with guides |" + "".join(f" {name} |" for name in columns))
-    print("|---|" + "---|" * len(columns))
-    for words in next(iter(columns.values())):
-        print(f"| {words} |" + "".join(f" {column[words]:.2f} |" for column in columns.values()))
+            file = arguments.picture if name == arguments.scenes[0] else None
+            errors[name], correlations[name] = _measure(path, arguments, file)
+    _print("ΔE2000 over RGB's, denoised with guides", errors)
+    _print("correlation of what is left of two passes' noise", correlations)
 
 
 if __name__ == "__main__":
