@@ -149,6 +149,7 @@ def _render_frame(scene, exr: Path, names: dict[str, Path], plain: bool, frame: 
         "frame": frame,
         "scene": bpy.data.filepath,
         "channels": image.model.channels,
+        "reduced_color_noise": scene.relume.shares_brightness,
         "size": list(image.size),
         "samples": {layer: times["samples"] for layer, times in rendered.times.items()},
         "seconds": {layer: times["seconds"] for layer, times in rendered.times.items()},

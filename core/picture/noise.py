@@ -4,7 +4,9 @@ Each pass holds the same scene in three channels, with noise of its own, most of
 passes shows as noise of hue, which no RGB render has.
 """
 
+import os
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -37,7 +39,8 @@ AGREED = 3.0  # times the noise, the most by which a pass is changed in relation
 MOST = 4.0  # times, the most by which a pixel of a pass is made brighter
 SHARE = 0.5  # of the picture denoised as one
 _SPACE = "Linear Rec.2020"  # of the picture that all passes are denoised in: nothing natural is negative in it
-_ROWS = 256  # worked on at a time
+_ROWS = 128  # worked on at a time
+_HALO = BLUR + EROSION + 1  # rows around that count as well
 # |second difference along both axes of noise| to the noise itself: it sees no straight edge and no slope
 TO_NOISE = float(np.sqrt(np.pi / 2) / (2 / 3))
 
@@ -48,62 +51,77 @@ def estimated(groups: Mapping[str, Array], guides: Sequence[Mapping[str, Array]]
     A ratio estimator: each pass is scaled to the mean brightness of all, times what its own is of that in the
     neighbourhood; brightness is divided by the albedo first, so that textures stay. The mean stays as it is, and no
     pass is changed by much more than the noise around, measured where the picture is smooth: the more samples, the
-    less.
-    What shines itself has no noise and stays: it has no normal.
+    less. What shines itself has no noise and stays: it has no normal.
     guides: "Albedo" and "Normal" of each pass, (height, width, 3), as the denoiser is guided; of normals the first
     pass's will do.
     """
     if len(guides) < 2:
         return dict(groups)
-    height, channels = len(guides[0]["Albedo"]), next(iter(groups.values())).shape[-1]
+    height = len(guides[0]["Albedo"])
     found = {name: np.empty_like(values) for name, values in groups.items()}
-    halo = BLUR + EROSION + 1
-    for top in range(0, height, _ROWS):
-        around = slice(max(top - halo, 0), min(top + _ROWS + halo, height))
+
+    def work(top: int) -> None:
+        around = slice(max(top - _HALO, 0), min(top + _ROWS + _HALO, height))
         inner = slice(top - around.start, min(top + _ROWS, height) - around.start)
-        albedo = _brightness([guide["Albedo"][around] for guide in guides], channels)
-        surface = np.linalg.norm(guides[0]["Normal"][around], axis=-1, keepdims=True)
+        rows = slice(top, top + inner.stop - inner.start)
+        normal = guides[0]["Normal"][around]
+        surface = np.sqrt(np.einsum("ijk,ijk->ij", normal, normal))
         for name, values in groups.items():
-            factors = _factors(values[around], albedo + np.float32(LEAST_ALBEDO), surface)[inner]
-            rows = slice(top, top + inner.stop - inner.start)
-            np.multiply(values[rows], np.repeat(factors, 3, axis=-1)[..., : values.shape[-1]], out=found[name][rows])
+            albedo = [guide["Albedo"][around] for guide in guides]
+            factors = _factors(values[around], albedo, surface)[:, inner]
+            for k, factor in enumerate(factors):
+                channels = slice(3 * k, 3 * k + 3)
+                np.multiply(values[rows, :, channels], factor[..., None], out=found[name][rows, :, channels])
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        for _ in pool.map(work, range(0, height, _ROWS)):
+            pass
     return found
 
 
-def _factors(values: Array, albedo: Array, surface: Array) -> Array:
-    """(height, width, passes) by which passes are scaled; surface: (height, width, 1) length of the mean normal."""
+def _factors(values: Array, albedo: Sequence[Array], surface: Array) -> Array:
+    """(passes, height, width) by which passes are scaled; surface: (height, width) length of the mean normal."""
     from scipy import ndimage
 
-    def blurred(picture: Array, sigma: float = BLUR / 3) -> Array:
-        across = ndimage.gaussian_filter1d(picture, sigma, axis=1, mode="nearest", truncate=3.0)
-        return ndimage.gaussian_filter1d(across, sigma, axis=0, mode="nearest", truncate=3.0)
+    def blurred(planes: Array) -> Array:
+        across = ndimage.gaussian_filter1d(planes, BLUR / 3, axis=2, mode="nearest", truncate=3.0)
+        return ndimage.gaussian_filter1d(across, BLUR / 3, axis=1, mode="nearest", truncate=3.0)
 
-    passes = albedo.shape[-1]
-    brightness = _brightness([values[..., 3 * k : 3 * k + 3] for k in range(passes)], values.shape[-1])
-    brightness = np.maximum(brightness / albedo, 0.0)
-    mean, wide = brightness.mean(axis=-1, keepdims=True), blurred(brightness)
-    part = _ratio(brightness, mean)
-    wanted = _ratio(wide, wide.mean(axis=-1, keepdims=True))
+    channels = values.shape[-1]
+    planes = [
+        _brightness(values[..., 3 * k : 3 * k + 3], channels - 3 * k)
+        / (_brightness(each, channels - 3 * k) + np.float32(LEAST_ALBEDO))
+        for k, each in enumerate(albedo)
+    ]
+    brightness = np.maximum(np.stack(planes), 0.0)
+    part, wanted = _over_mean(brightness), _over_mean(blurred(brightness))
     difference = part
-    for axis in (0, 1):
+    for axis in (1, 2):
         difference = difference - ndimage.uniform_filter1d(difference, 3, axis=axis, mode="nearest")
-    noise = ndimage.minimum_filter(blurred(np.abs(difference)), (2 * EROSION + 1, 2 * EROSION + 1, 1), mode="nearest")
-    limit = np.float32(AGREED * TO_NOISE) * noise * np.minimum(surface * np.float32(SURE), 1.0)
-    agreed = part + np.clip(wanted - part, -limit, limit)
-    agreed = _ratio(agreed, agreed.mean(axis=-1, keepdims=True))
-    return np.where(part > 0.0, np.minimum(_ratio(agreed, part), MOST), 1.0)
+    size = (1, 2 * EROSION + 1, 2 * EROSION + 1)
+    noise = ndimage.minimum_filter(blurred(np.abs(difference)), size, mode="nearest")
+    limit = noise * (np.float32(AGREED * TO_NOISE) * np.minimum(surface * np.float32(SURE), 1.0))
+    agreed = _over_mean(part + np.clip(wanted - part, -limit, limit))
+    return np.where(part > 0.0, np.minimum(_ratio(agreed, part), MOST), np.float32(1.0))
 
 
-def _brightness(passes: Sequence[Array], channels: int) -> Array:
-    """(height, width, passes), means over the channels that the model has in each pass."""
-    return np.stack([each[..., : channels - 3 * k].mean(axis=-1) for k, each in enumerate(passes)], axis=-1)
+def _brightness(values: Array, count: int) -> Array:
+    """(height, width), the mean of the first channels of a pass: those that the model has there."""
+    count = min(count, 3)
+    total = values[..., 0]
+    for channel in range(1, count):
+        total = total + values[..., channel]
+    return total / np.float32(count)
+
+
+def _over_mean(planes: Array) -> Array:
+    """(passes, height, width) over the mean of all."""
+    return _ratio(planes, planes.mean(axis=0))
 
 
 def _ratio(above: Array, below: Array) -> Array:
     """Quotients, 0 where there is no light: as Blender's nodes divide."""
-    return np.divide(
-        above, below, out=np.zeros(np.broadcast_shapes(above.shape, below.shape), np.float32), where=below != 0
-    )
+    return np.divide(above, below, out=np.zeros(above.shape, np.float32), where=below != 0)
 
 
 def denoised(

@@ -168,7 +168,7 @@ def test_part_empty_passes_and_negative_coefficients_stay_what_they_are():
     assert np.allclose(np.median(clean, axis=(0, 1)), values[0, 0], atol=0.05)
 
 
-def test_the_command_keeps_the_coefficients_as_they_were_rendered(noisy, tmp_path):
+def test_the_commands_coefficients_are_not_denoised_but_without_noise_of_colour_where_that_is_chosen(noisy, tmp_path):
     blend = tmp_path / "little.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     render_it = ["render", str(blend), "--samples", "6", "--illuminant", "D65", "A", "--out"]
@@ -178,8 +178,16 @@ def test_the_command_keeps_the_coefficients_as_they_were_rendered(noisy, tmp_pat
     noisy.cycles.use_denoising = False
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     assert commands.execute([*render_it, str(tmp_path / "noisy")]) == 0
-    kept = [coefficients.read(tmp_path / name / "little.exr").groups["tungsten"] for name in ("clean", "noisy")]
-    np.testing.assert_allclose(*kept, rtol=1e-5, atol=1e-6)
+    bpy.context.scene.relume.reduce_color_noise = False
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    assert commands.execute([*render_it, str(tmp_path / "sampled")]) == 0
+    ways = {name: tmp_path / name for name in ("clean", "noisy", "sampled")}
+    kept = {name: coefficients.read(folder / "little.exr").groups["tungsten"] for name, folder in ways.items()}
+    np.testing.assert_allclose(kept["clean"], kept["noisy"], rtol=1e-5, atol=1e-6)
+    ratios = kept["noisy"] / np.maximum(kept["sampled"], 1e-6)
+    assert np.ptp(ratios[..., :3], axis=-1).max() < 1e-3 < ratios.std(), "a pass is scaled as a whole"
+    said = {name: json.loads((folder / "summary.json").read_text())["frames"][0] for name, folder in ways.items()}
+    assert [each["reduced_color_noise"] for each in said.values()] == [True, True, False]
     shown = [(tmp_path / name / "little_A.png").read_bytes() for name in ("clean", "noisy")]
     assert shown[0] != shown[1]
     assert json.loads((tmp_path / "clean/summary.json").read_text())["passes"] == 3
