@@ -17,10 +17,19 @@ _SEED_STEP = 1000
 
 
 class Cycles:
-    """An interior with a factor model. same_seed: every pass takes all its samples, with the same noise."""
+    """An interior with a factor model. same_seed: every pass takes all its samples, with the same noise. as_sampled:
+    noise of colour is not taken out."""
 
-    def __init__(self, interior: room.Interior, percent: int, model: FactorModel, same_seed: bool = False):
-        self.interior, self.percent, self.model, self.same_seed = interior, percent, model, same_seed
+    def __init__(
+        self,
+        interior: room.Interior,
+        percent: int,
+        model: FactorModel,
+        same_seed: bool = False,
+        as_sampled: bool = False,
+    ):
+        self.interior, self.percent, self.model = interior, percent, model
+        self.same_seed, self.as_sampled = same_seed, as_sampled
 
     def samples(self, count: int) -> int:
         """Of all passes together, where `count` of them are asked for."""
@@ -35,6 +44,7 @@ class Cycles:
         scene.render.resolution_percentage, scene.cycles.samples = self.percent, self._set(count)
         scene.cycles.pixel_filter_type, scene.cycles.seed = "BOX", _SEED_STEP * seed
         scene.relume.same_seed, scene.relume.split_samples = self.same_seed, not self.same_seed
+        scene.relume.reduce_color_noise = not self.as_sampled
         setup.set_up(scene, self.model)
         with tempfile.TemporaryDirectory() as folder:
             began = time.process_time()

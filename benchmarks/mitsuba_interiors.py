@@ -185,7 +185,7 @@ def _blocks(picture: np.ndarray) -> np.ndarray:
 
 def reference(interior: room.Interior, percent: int) -> Cycles:
     """The interior in Cycles with the reference model."""
-    return Cycles(interior, percent, bases.bands(_BANDS))
+    return Cycles(interior, percent, bases.bands(_BANDS), as_sampled=True)
 
 
 def agreement(ours: Sequence[np.ndarray], theirs: Sequence[np.ndarray], white: np.ndarray) -> tuple[np.ndarray, float]:

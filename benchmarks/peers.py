@@ -1,7 +1,7 @@
 """Time to the same error: Relume and its peers in three interiors, held against Mitsuba's long run. Prints ratios.
 
 `python -m relume.benchmarks.peers [--interiors NAME ...] [--percent P] [--counts N ...] [--runs R] [--long N]
-[--errors E ...] [--channels P ...] [--variant NAME ...] [--out DIR]`
+[--errors E ...] [--channels P ...] [--variant NAME ...] [--few] [--out DIR]`
 
 Every spectral variant of Mitsuba that runs on this processor is measured, the fastest first; `llvm_ad_spectral` needs
 LLVM (Debian: `libllvm19`; `DRJIT_LIBLLVM_PATH` says where, if Mitsuba does not find it). The long run is the fastest's.
@@ -91,6 +91,8 @@ def _rows(interior, variants, size, arguments) -> list[Row]:
         return Cycles(interior, arguments.percent, model, same_seed)
 
     rows = [Row(f"Mitsuba, {each.variant}", each) for each in variants]
+    if arguments.few:
+        return [*rows, *(Row(f"p = {p}", cycles(bases.fitted(p))) for p in arguments.channels)]
     try:
         rows.append(Row("LuxCore RGB, noise alone", LuxCore(interior, size), own=True))
     except ImportError as why:
@@ -193,6 +195,7 @@ def main(argv: list[str] | None = None):
     parser.add_argument("--errors", type=float, nargs="+", default=[2.0, 1.0, 0.5], metavar="E", help="(2 1 0.5)")
     parser.add_argument("--channels", type=int, nargs="+", default=[9], metavar="P", help="9 among them (9)")
     parser.add_argument("--variant", nargs="+", metavar="NAME", help="of Mitsuba (every spectral one that runs here)")
+    parser.add_argument("--few", action="store_true", help="Mitsuba and factor models alone")
     parser.add_argument("--out", type=Path, default=Path("out/peers"), metavar="DIR")
     arguments = parser.parse_args(argv)
     if 9 not in arguments.channels or len(arguments.counts) < 2:

@@ -146,13 +146,13 @@ def _feed(tree, first, group, treated, copies: list, groups: list[str]) -> None:
         node = _added(tree, "CompositorNodeRLayers", first, 0, -k)
         node.scene, node.layer = first.scene, copy.name
         renders.append(node)
-    recombination = _added(tree, "CompositorNodeGroup", first, 1.5, 0)
+    recombination = _added(tree, "CompositorNodeGroup", first, 2.1, 0)
     recombination.node_tree = group
     recombination.label = "Relume"
     tree.links.new(first.outputs["Alpha"], recombination.inputs["Alpha"])
     target = recombination
     if treated is not None:
-        target = _added(tree, "CompositorNodeGroup", first, 0.75, 0)
+        target = _added(tree, "CompositorNodeGroup", first, 1.25, 0)
         target.node_tree, target.label = treated, "Relume Noise"
         target[PART] = f"part {sum(PART in other for other in tree.nodes)}"
         for socket in target.outputs:
@@ -177,7 +177,7 @@ def _feed(tree, first, group, treated, copies: list, groups: list[str]) -> None:
 
 def _denoise(tree, render, image):
     """Denoise the picture with the guides of a Render Layers node."""
-    node = _added(tree, "CompositorNodeDenoise", render, 2.3, 0)
+    node = _added(tree, "CompositorNodeDenoise", render, 2.9, 0)
     tree.links.new(image, node.inputs["Image"])
     for guide in denoising.guides_of(render.scene):
         tree.links.new(render.outputs[f"Denoising {guide}"], node.inputs[guide])

@@ -31,6 +31,7 @@ __all__ = [
 ]
 
 KEPT = "relume_kept"  # on the nodes that write and read the file
+_ROW = 22  # units of a node editor that a socket takes
 _MOST = 4 * 2**30  # bytes that the file may have: Blender holds all of it in memory
 
 
@@ -132,7 +133,9 @@ def put(scene) -> None:
     if not readers:
         readers = [tree.nodes.new("CompositorNodeImage")]
         readers[0][ADDED] = readers[0][KEPT] = True
-        readers[0].location = next(iter(parts.values())).node.location
+        below = next(iter(parts.values())).node
+        rows = len(below.inputs) + len(below.outputs) + 4
+        readers[0].location = (below.location.x, below.location.y - _ROW * rows)
     reader = readers[0]
     if reader.image != image:
         reader.image = image
