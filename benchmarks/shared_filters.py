@@ -79,6 +79,7 @@ def _render(row: Row, path: Path, arguments, seed: int, samples: int) -> tuple[n
         return picture, picture
     keeps = (lambda model: model) if row.brightness is not None else channel_order.balanced
     with mock.patch.object(channel_order, "balanced", keeps):
+        scene.relume.reduce_color_noise = False
         setup.set_up(scene, row.model)
         image = render.render(scene, path.parent).image
     lights = {group.name: group.light() for group in scene.relume.light_groups}

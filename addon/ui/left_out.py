@@ -74,11 +74,6 @@ class _LeftOut:
         return context.scene.relume.is_set_up and bool(context.scene.relume.plan.get("reason"))
 
     def draw(self, context) -> None:
-        settings = context.scene.relume
-        if context.scene.cycles.use_denoising:
-            self.layout.prop(settings, "denoise_passes")
-        if not settings.denoises_passes:
-            self.layout.prop(settings, "reduce_color_noise")
         key = _key(context.scene)
         if key not in _known:
             _known[key] = None

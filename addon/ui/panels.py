@@ -76,6 +76,8 @@ def _draw_choice(layout, settings) -> None:
         layout.prop(settings, "dominant_group", icon="LIGHT")
         layout.prop(settings, "rendering_space")
     layout.prop(settings, "split_samples")
+    if settings.is_set_up and settings.model().passes > 1:
+        layout.prop(settings, "denoise_passes" if settings.id_data.cycles.use_denoising else "reduce_color_noise")
 
 
 class SidebarPanel(_Relume, Panel):
