@@ -142,7 +142,7 @@ def _before(tree, recombination_node, group, guides: dict):
     node.node_tree = group
     for socket in node.inputs:
         held = recombination_node.inputs.get(socket.name)
-        tree.links.new(held.links[0].from_socket if held else guides[socket.name.rpartition(" ")[0]], socket)
+        tree.links.new(held.links[0].from_socket if held else guides[socket.name.split()[1]], socket)
     for socket in node.outputs:
         tree.links.new(socket, recombination_node.inputs[socket.name])
     return node

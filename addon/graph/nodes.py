@@ -35,7 +35,7 @@ __all__ = [
 ROLE = "relume_role"
 INSERTED = frozenset({"upsample", "light", "emitter"})  # roles of the groups that `insert` puts in front of sockets
 _KEPT = "relume_kept"  # on an inserted node: its value is not the artist's, and goes nowhere
-_SPARES = {"ShaderNodeTree": 8, "CompositorNodeTree": 4}  # node groups that are kept ready, by kind
+_SPARES = {"ShaderNodeTree": 8, "CompositorNodeTree": 6}  # node groups that are kept ready, by kind
 _staying = 0
 _is_unsafe = False
 _STEP = 180  # editor units between columns of nodes
@@ -222,7 +222,8 @@ def take_out(tree, node) -> None:
 def clear_orphans(*roles: str) -> None:
     """Delete the groups of Relume's own that nothing uses any more (a spectrum is the artist's: it stays), or those of
     some roles: spare ones too are used by nothing."""
-    for role_name in roles or ("compositing", *INSERTED, "recombination", "noise", "comparison", "view", "spare"):
+    every = ("compositing", *INSERTED, "recombination", "noise", "noise", "comparison", "view", "spare")
+    for role_name in roles or every:  # noise twice: one of its groups is in the other
         for tree in [t for t in bpy.data.node_groups if t.get(ROLE) == role_name and t.library is None]:
             if tree.users == 0:
                 delete(tree)

@@ -14,7 +14,7 @@ from ...core.picture import noise
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from . import nodes
 
-__all__ = ["NOISE", "denoising_group", "estimating_group"]
+__all__ = ["NOISE", "denoising_group", "estimating_group", "guide_socket"]
 
 NOISE = "noise"  # the role of these groups
 _HIGH = 1e30
@@ -64,8 +64,18 @@ class _Nodes:
         return found
 
 
-def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str], inside: Callable):
-    """A group with the sockets of all; `inside(tools, images, guides)` gives a light group's images anew."""
+def guide_socket(guide: str, index: int) -> str:
+    """What the input for "Albedo" or "Normal" of a pass is called: as no light group is likely to be."""
+    return f"Denoising {guide} {index + 1}"
+
+
+def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str], common: Callable, inside: Callable):
+    """A group with the sockets of all light groups, and in it a node for each, of one group that they share.
+
+    common(tools, guides) gives {name: socket} of what is the same for all of them; inside(tools, images, given), in the
+    shared group, a light group's images anew. Blender looks through a tree at every node that is added: so a tree of
+    thousands would take minutes.
+    """
     tree = nodes.new_tree(name, "CompositorNodeTree", NOISE)
     for group in groups:
         for k in range(passes):
@@ -73,7 +83,7 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
             nodes.add_socket(tree, f"{group} {k + 1}", "Color", output=True)
     for guide in guides:
         for k in range(passes):
-            nodes.add_socket(tree, f"{guide} {k + 1}", "Vector", output=False)
+            nodes.add_socket(tree, guide_socket(guide, k), "Vector", output=False)
     tools = _Nodes(tree)
     source, output = nodes.add(tree, "NodeGroupInput", 0), nodes.add(tree, "NodeGroupOutput", 14)
     images = {group: [source.outputs[f"{group} {k + 1}"] for k in range(passes)] for group in groups}
@@ -84,8 +94,15 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
         images[EVERYTHING_ELSE] = [
             tools.vector("SUBTRACT", image, off) for image, off in zip(images[EVERYTHING_ELSE], of_others, strict=True)
         ]
-    shown = [{guide: source.outputs[f"{guide} {k + 1}"] for guide in guides} for k in range(passes)]
-    made = inside(tools, images, shown)
+    shown = [{guide: source.outputs[guide_socket(guide, k)] for guide in guides} for k in range(passes)]
+    given = common(tools, shown)
+    shared = _shared(f"{name} of a Light Group", passes, given, inside)
+    made = {}
+    for group, each in images.items():
+        node = tools.add("CompositorNodeGroup", node_tree=shared)
+        for socket, operand in zip(node.inputs, [*each, *given.values()], strict=True):
+            tree.links.new(operand, socket)
+        made[group] = list(node.outputs)
     if rest:
         made[EVERYTHING_ELSE] = [
             tools.total([image, *(made[group][k] for group in others)], tools.vector)
@@ -97,22 +114,41 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
     return tree
 
 
+def _shared(name: str, passes: int, given: dict, inside: Callable):
+    """The group that works on one light group."""
+    tree = nodes.new_tree(name, "CompositorNodeTree", NOISE)
+    for k in range(passes):
+        nodes.add_socket(tree, str(k + 1), "Color", output=False)
+        nodes.add_socket(tree, str(k + 1), "Color", output=True)
+    for title, socket in given.items():
+        nodes.add_socket(tree, title, "Float" if socket.type == "VALUE" else "Vector", output=False)
+    source, output = nodes.add(tree, "NodeGroupInput", 0), nodes.add(tree, "NodeGroupOutput", 14)
+    sockets = list(source.outputs)
+    held = dict(zip(given, sockets[passes:], strict=False))
+    for k, socket in enumerate(inside(_Nodes(tree), sockets[:passes], held)):
+        tree.links.new(socket, output.inputs[k])
+    return tree
+
+
 def estimating_group(name: str, groups: Sequence[str], channels: int):
     """`noise.estimated` in nodes."""
     passes = -(-channels // 3)
     counts = [min(channels - 3 * k, 3) for k in range(passes)]
     means = [(1 / count,) * count + (0.0,) * (3 - count) for count in counts]
 
-    def inside(tools: _Nodes, images: dict[str, list], guides: list[dict]) -> dict[str, list]:
+    def common(tools: _Nodes, guides: list[dict]) -> dict:
+        normal = tools.add("ShaderNodeVectorMath", guides[0]["Normal"], operation="LENGTH").outputs["Value"]
         albedo = [
             tools.number("ADD", tools.dot(guide["Albedo"], mean), noise.LEAST_ALBEDO)
             for guide, mean in zip(guides, means, strict=True)
         ]
-        normal = tools.add("ShaderNodeVectorMath", guides[0]["Normal"], operation="LENGTH").outputs["Value"]
-        surface = tools.number("MINIMUM", tools.number("MULTIPLY", normal, noise.SURE), 1.0)
-        return {group: _estimated(tools, each, means, albedo, surface) for group, each in images.items()}
+        found = {f"Albedo {k + 1}": each for k, each in enumerate(albedo)}
+        return found | {"Surface": tools.number("MINIMUM", tools.number("MULTIPLY", normal, noise.SURE), 1.0)}
 
-    return _group(name, groups, passes, ["Albedo", "Normal"], inside)
+    def inside(tools: _Nodes, images: list, given: dict) -> list:
+        return _estimated(tools, images, means, [given[f"Albedo {k + 1}"] for k in range(passes)], given["Surface"])
+
+    return _group(name, groups, passes, ["Albedo", "Normal"], common, inside)
 
 
 def _estimated(tools: _Nodes, images: list, means: list, albedo: list, surface) -> list:
@@ -170,23 +206,23 @@ def denoising_group(
 ):
     """`noise.denoised` in nodes, with Blender's denoiser. matrices: as `noise.to_picture` gives them."""
 
-    def inside(tools: _Nodes, images: dict[str, list], seen: list[dict]) -> dict[str, list]:
-        turned = [_turned(tools, guide, noise.mirrored(k)) for k, guide in enumerate(seen)]
-        joint = _joint(tools, seen, matrices[0]) if passes > 1 else {}
+    def common(tools: _Nodes, seen: list[dict]) -> dict:
         found = {}
-        for group, each in images.items():
-            apart = [_clean(tools, i, turned[k], prefilter, noise.mirrored(k)) for k, i in enumerate(each)]
-            if passes > 1:
-                picture = _clean(tools, _weighed(tools, each, matrices[0]), joint, prefilter)
-                apart = _held(tools, apart, picture, matrices)
-            found[group] = apart
-        return found
+        for k, guide in enumerate(seen):
+            for title, socket in guide.items():
+                turned = tools.add("CompositorNodeFlip", socket, *noise.mirrored(k)) if passes > 1 else None
+                found[f"{title} {k + 1}"] = turned.outputs[0] if turned else socket
+        return found | (_joint(tools, seen, matrices[0]) if passes > 1 else {})
 
-    return _group(name, groups, passes, guides, inside)
+    def inside(tools: _Nodes, images: list, given: dict) -> list:
+        turned = [{title: given[f"{title} {k + 1}"] for title in guides} for k in range(passes)]
+        if passes == 1:
+            return [_clean(tools, images[0], turned[0], prefilter)]
+        apart = [_clean(tools, i, turned[k], prefilter, noise.mirrored(k)) for k, i in enumerate(images)]
+        picture = _clean(tools, _weighed(tools, images, matrices[0]), {t: given[t] for t in guides}, prefilter)
+        return _held(tools, apart, picture, matrices)
 
-
-def _turned(tools: _Nodes, guide: dict, mirror: tuple[bool, bool]) -> dict:
-    return {name: tools.add("CompositorNodeFlip", each, *mirror).outputs[0] for name, each in guide.items()}
+    return _group(name, groups, passes, guides, common, inside)
 
 
 def _clean(tools: _Nodes, image, guide: dict, prefilter: str, mirror: tuple[bool, bool] = (False, False)):

@@ -9,7 +9,7 @@ import numpy as np
 from ...core.picture.blender_exr import light_pass
 from ...core.picture.coefficients import EVERYTHING_ELSE
 from ...core.picture.recombination import for_passes
-from ..graph import node_groups, nodes
+from ..graph import node_groups, nodes, noise_nodes
 from ..host import denoising
 from ..store import properties
 from ..store.remarks import Remark
@@ -159,8 +159,8 @@ def _feed(tree, first, group, treated, copies: list, groups: list[str]) -> None:
             tree.links.new(socket, recombination.inputs[socket.name])
         for k, node in enumerate(renders):
             for guide in ("Albedo", "Normal"):
-                if f"{guide} {k + 1}" in target.inputs:
-                    tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[f"{guide} {k + 1}"])
+                if (name := noise_nodes.guide_socket(guide, k)) in target.inputs:
+                    tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[name])
     for name in groups:
         image = "Image" if name == EVERYTHING_ELSE else light_pass(name)
         for k, node in enumerate(renders):

@@ -215,6 +215,6 @@ def _composite(scene, picture, files, image: CoefficientImage, described) -> Non
             output_name = light_pass(group) if described else group
             tree.links.new(node.outputs[output_name], target.inputs[f"{group} {k + 1}"])
         for guide in ("Albedo", "Normal") if target != recombination else ():
-            tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[f"{guide} {k + 1}"])
+            tree.links.new(node.outputs[f"Denoising {guide}"], target.inputs[noise_nodes.guide_socket(guide, k)])
     tree.links.new(recombination.outputs["Image"], output.inputs["Image"])
     scene.compositing_node_group = tree

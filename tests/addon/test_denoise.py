@@ -38,8 +38,15 @@ def composited(scene, path):
 
 
 def denoisers(scene):
-    trees = [scene.compositing_node_group, *(node.node_tree for node in noise_nodes(scene))]
-    return [node for tree in trees for node in tree.nodes if node.type == "DENOISE"]
+    return list(denoisers_in(scene.compositing_node_group))
+
+
+def denoisers_in(tree):
+    for node in tree.nodes:
+        if node.type == "DENOISE":
+            yield node
+        elif node.type == "GROUP":
+            yield from denoisers_in(node.node_tree)
 
 
 def noise_nodes(scene):
