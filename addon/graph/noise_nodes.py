@@ -17,7 +17,7 @@ from . import nodes
 __all__ = ["NOISE", "denoising_group", "estimating_group", "guide_socket"]
 
 NOISE = "noise"  # the role of these groups
-_HIGH = 1e30
+_KINDS = {"Albedo": "Color", "Normal": "Vector"}  # of what the denoiser takes
 
 
 class _Nodes:
@@ -69,12 +69,12 @@ def guide_socket(guide: str, index: int) -> str:
     return f"Denoising {guide} {index + 1}"
 
 
-def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str], common: Callable, inside: Callable):
-    """A group with the sockets of all light groups, and in it a node for each, of one group that they share.
+def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str], common: Callable, work: Callable):
+    """A group with the sockets of all light groups.
 
-    common(tools, guides) gives {name: socket} of what is the same for all of them; inside(tools, images, given), in the
-    shared group, a light group's images anew. Blender looks through a tree at every node that is added: so a tree of
-    thousands would take minutes.
+    common(tools, guides) gives {name: socket} of what is the same for all of them; work(tools, images, given) a light
+    group's images anew. Blender looks through a tree at every node that is added: so a tree of thousands would take
+    minutes, and most of the work is in groups that all light groups share (`_shared`).
     """
     tree = nodes.new_tree(name, "CompositorNodeTree", NOISE)
     for group in groups:
@@ -83,7 +83,7 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
             nodes.add_socket(tree, f"{group} {k + 1}", "Color", output=True)
     for guide in guides:
         for k in range(passes):
-            nodes.add_socket(tree, guide_socket(guide, k), "Vector", output=False)
+            nodes.add_socket(tree, guide_socket(guide, k), _KINDS[guide], output=False)
     tools = _Nodes(tree)
     source, output = nodes.add(tree, "NodeGroupInput", 0), nodes.add(tree, "NodeGroupOutput", 14)
     images = {group: [source.outputs[f"{group} {k + 1}"] for k in range(passes)] for group in groups}
@@ -96,13 +96,7 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
         ]
     shown = [{guide: source.outputs[guide_socket(guide, k)] for guide in guides} for k in range(passes)]
     given = common(tools, shown)
-    shared = _shared(f"{name} of a Light Group", passes, given, inside)
-    made = {}
-    for group, each in images.items():
-        node = tools.add("CompositorNodeGroup", node_tree=shared)
-        for socket, operand in zip(node.inputs, [*each, *given.values()], strict=True):
-            tree.links.new(operand, socket)
-        made[group] = list(node.outputs)
+    made = {group: work(tools, each, given) for group, each in images.items()}
     if rest:
         made[EVERYTHING_ELSE] = [
             tools.total([image, *(made[group][k] for group in others)], tools.vector)
@@ -114,20 +108,25 @@ def _group(name: str, groups: Sequence[str], passes: int, guides: Sequence[str],
     return tree
 
 
-def _shared(name: str, passes: int, given: dict, inside: Callable):
-    """The group that works on one light group."""
+def _shared(name: str, kinds: Sequence[str], count: int, inside: Callable):
+    """A group of sockets of those kinds in and `count` colours out: inside(tools, inputs) gives them."""
     tree = nodes.new_tree(name, "CompositorNodeTree", NOISE)
-    for k in range(passes):
-        nodes.add_socket(tree, str(k + 1), "Color", output=False)
-        nodes.add_socket(tree, str(k + 1), "Color", output=True)
-    for title, socket in given.items():
-        nodes.add_socket(tree, title, "Float" if socket.type == "VALUE" else "Vector", output=False)
+    for k, kind in enumerate(kinds):
+        nodes.add_socket(tree, f"{k + 1}", kind, output=False)
+    for k in range(count):
+        nodes.add_socket(tree, f"{k + 1}", "Color", output=True)
     source, output = nodes.add(tree, "NodeGroupInput", 0), nodes.add(tree, "NodeGroupOutput", 14)
-    sockets = list(source.outputs)
-    held = dict(zip(given, sockets[passes:], strict=False))
-    for k, socket in enumerate(inside(_Nodes(tree), sockets[:passes], held)):
+    for k, socket in enumerate(inside(_Nodes(tree), list(source.outputs)[: len(kinds)])):
         tree.links.new(socket, output.inputs[k])
     return tree
+
+
+def _used(tools: _Nodes, group, operands: Sequence) -> list:
+    """The outputs of a node of a shared group."""
+    node = tools.add("CompositorNodeGroup", node_tree=group)
+    for socket, operand in zip(node.inputs, operands, strict=True):
+        tools.tree.links.new(operand, socket)
+    return list(node.outputs)
 
 
 def estimating_group(name: str, groups: Sequence[str], channels: int):
@@ -145,10 +144,15 @@ def estimating_group(name: str, groups: Sequence[str], channels: int):
         found = {f"Albedo {k + 1}": each for k, each in enumerate(albedo)}
         return found | {"Surface": tools.number("MINIMUM", tools.number("MULTIPLY", normal, noise.SURE), 1.0)}
 
-    def inside(tools: _Nodes, images: list, given: dict) -> list:
-        return _estimated(tools, images, means, [given[f"Albedo {k + 1}"] for k in range(passes)], given["Surface"])
+    def inside(tools: _Nodes, inputs: list) -> list:
+        return _estimated(tools, inputs[:passes], means, inputs[passes:-1], inputs[-1])
 
-    return _group(name, groups, passes, ["Albedo", "Normal"], common, inside)
+    shared = _shared(f"{name} of a Light Group", ["Color"] * passes + ["Float"] * (passes + 1), passes, inside)
+
+    def work(tools: _Nodes, images: list, given: dict) -> list:
+        return _used(tools, shared, [*images, *given.values()])
+
+    return _group(name, groups, passes, ["Albedo", "Normal"], common, work)
 
 
 def _estimated(tools: _Nodes, images: list, means: list, albedo: list, surface) -> list:
@@ -210,34 +214,62 @@ def denoising_group(
         found = {}
         for k, guide in enumerate(seen):
             for title, socket in guide.items():
-                turned = tools.add("CompositorNodeFlip", socket, *noise.mirrored(k)) if passes > 1 else None
-                found[f"{title} {k + 1}"] = turned.outputs[0] if turned else socket
+                turned = (
+                    tools.add("CompositorNodeFlip", socket, *noise.mirrored(k)).outputs[0] if passes > 1 else socket
+                )
+                found[f"{title} {k + 1}"] = _as_denoised(tools, title, turned)
         return found | (_joint(tools, seen, matrices[0]) if passes > 1 else {})
 
-    def inside(tools: _Nodes, images: list, given: dict) -> list:
-        turned = [{title: given[f"{title} {k + 1}"] for title in guides} for k in range(passes)]
+    def before(tools: _Nodes, images: list) -> list:
+        seen = [_positive(tools, image, noise.mirrored(k) if passes > 1 else ()) for k, image in enumerate(images)]
+        return seen + ([_positive(tools, _weighed(tools, images, matrices[0]))] if passes > 1 else [])
+
+    def after(tools: _Nodes, inputs: list) -> list:
+        images, clean = inputs[:passes], inputs[passes:]
+        turned = [
+            _with_negative(tools, image, each, noise.mirrored(k) if passes > 1 else ())
+            for k, (image, each) in enumerate(zip(images, clean, strict=False))
+        ]
         if passes == 1:
-            return [_clean(tools, images[0], turned[0], prefilter)]
-        apart = [_clean(tools, i, turned[k], prefilter, noise.mirrored(k)) for k, i in enumerate(images)]
-        picture = _clean(tools, _weighed(tools, images, matrices[0]), {t: given[t] for t in guides}, prefilter)
-        return _held(tools, apart, picture, matrices)
+            return turned
+        picture = _with_negative(tools, _weighed(tools, images, matrices[0]), clean[-1])
+        return _held(tools, turned, picture, matrices)
 
-    return _group(name, groups, passes, guides, common, inside)
+    denoised = passes + (passes > 1)  # the passes, and the picture of all
+    first = _shared(f"{name} before the Denoiser", ["Color"] * passes, denoised, before)
+    second = _shared(f"{name} after the Denoiser", ["Color"] * (passes + denoised), passes, after)
+
+    def work(tools: _Nodes, images: list, given: dict) -> list:
+        # Not in a shared group: a guide that several denoisers get from one output is cleaned once for them all
+        clean = []
+        for k, socket in enumerate(_used(tools, first, images)):
+            node = tools.add("CompositorNodeDenoise", socket)
+            for title in guides:
+                tools.tree.links.new(given[f"{title} {k + 1}" if k < passes else title], node.inputs[title])
+            node.inputs["Prefilter"].default_value = prefilter
+            clean.append(node.outputs[0])
+        return _used(tools, second, [*images, *clean])
+
+    return _group(name, groups, passes, guides, common, work)
 
 
-def _clean(tools: _Nodes, image, guide: dict, prefilter: str, mirror: tuple[bool, bool] = (False, False)):
-    """An image without noise; negative numbers, which the denoiser does not know, stay."""
+def _as_denoised(tools: _Nodes, title: str, guide):
+    """A guide of the kind that the denoiser takes: converted by each of them, it would be cleaned by each of them."""
+    if _KINDS[title] == "Vector":
+        return tools.vector("ADD", guide, 0.0) if guide.type != "VECTOR" else guide
+    return guide if guide.type == "RGBA" else tools.add("CompositorNodeSetAlpha", guide).outputs[0]
+
+
+def _positive(tools: _Nodes, image, mirror: tuple[bool, ...] = ()):
+    """What a denoiser is to see of an image: it knows no negative numbers."""
     positive = tools.vector("MAXIMUM", image, 0.0)
-    if any(mirror):
-        positive = tools.add("CompositorNodeFlip", positive, *mirror).outputs[0]
-    node = tools.add("CompositorNodeDenoise", positive)
-    for name, socket in guide.items():
-        tools.tree.links.new(socket, node.inputs[name])
-    node.inputs["Prefilter"].default_value = prefilter
-    clean = node.outputs[0]
-    if any(mirror):
-        clean = tools.add("CompositorNodeFlip", clean, *mirror).outputs[0]
-    return tools.vector("ADD", clean, tools.vector("MINIMUM", image, 0.0))
+    return tools.add("CompositorNodeFlip", positive, *mirror).outputs[0] if any(mirror) else positive
+
+
+def _with_negative(tools: _Nodes, image, clean, mirror: tuple[bool, ...] = ()):
+    """A denoised image as it was turned before, with the negative numbers that it had."""
+    turned = tools.add("CompositorNodeFlip", clean, *mirror).outputs[0] if any(mirror) else clean
+    return tools.vector("ADD", turned, tools.vector("MINIMUM", image, 0.0))
 
 
 def _joint(tools: _Nodes, guides: list[dict], together: np.ndarray) -> dict:
@@ -245,7 +277,8 @@ def _joint(tools: _Nodes, guides: list[dict], together: np.ndarray) -> dict:
     found = {}
     if "Albedo" in guides[0]:
         albedo = _weighed(tools, [guide["Albedo"] for guide in guides], together)
-        found["Albedo"] = tools.vector("MINIMUM", tools.vector("MAXIMUM", albedo, 0.0), 1.0)
+        limited = tools.vector("MINIMUM", tools.vector("MAXIMUM", albedo, 0.0), 1.0)
+        found["Albedo"] = _as_denoised(tools, "Albedo", limited)
     if "Normal" in guides[0]:
         normals = tools.total([guide["Normal"] for guide in guides], tools.vector)
         found["Normal"] = tools.scaled(normals, 1 / len(guides))
