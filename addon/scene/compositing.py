@@ -114,7 +114,8 @@ def _is_right(scene, groups: list[str]) -> bool:
             and any(link for socket in raw_outputs(node, groups) for link in links_to_artist(socket))
         ):
             return False
-    used = Counter(n.node_tree for n in tree.nodes if n in recombinations(scene) or (PART in n and belongs(n, scene)))
+    treated = [node for node in tree.nodes if PART in node and belongs(node, scene)]
+    used = Counter(node.node_tree for node in [*recombinations(scene), *treated])
     return all(group.users == count for group, count in used.items())
 
 

@@ -57,7 +57,9 @@ def estimated(groups: Mapping[str, Array], guides: Sequence[Mapping[str, Array]]
     """
     if len(guides) < 2:
         return dict(groups)
-    height = len(guides[0]["Albedo"])
+    import scipy.ndimage  # noqa: F401  # here, for two threads that import SciPy at once end in a deadlock
+
+    height, channels = len(guides[0]["Albedo"]), next(iter(groups.values())).shape[-1]
     found = {name: np.empty_like(values) for name, values in groups.items()}
 
     def work(top: int) -> None:
@@ -66,12 +68,12 @@ def estimated(groups: Mapping[str, Array], guides: Sequence[Mapping[str, Array]]
         rows = slice(top, top + inner.stop - inner.start)
         normal = guides[0]["Normal"][around]
         surface = np.sqrt(np.einsum("ijk,ijk->ij", normal, normal))
+        albedo = _brightness([guide["Albedo"][around] for guide in guides], channels) + np.float32(LEAST_ALBEDO)
         for name, values in groups.items():
-            albedo = [guide["Albedo"][around] for guide in guides]
             factors = _factors(values[around], albedo, surface)[:, inner]
             for k, factor in enumerate(factors):
-                channels = slice(3 * k, 3 * k + 3)
-                np.multiply(values[rows, :, channels], factor[..., None], out=found[name][rows, :, channels])
+                own = slice(3 * k, 3 * k + 3)
+                np.multiply(values[rows, :, own], factor[..., None], out=found[name][rows, :, own])
 
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for _ in pool.map(work, range(0, height, _ROWS)):
@@ -79,21 +81,16 @@ def estimated(groups: Mapping[str, Array], guides: Sequence[Mapping[str, Array]]
     return found
 
 
-def _factors(values: Array, albedo: Sequence[Array], surface: Array) -> Array:
-    """(passes, height, width) by which passes are scaled; surface: (height, width) length of the mean normal."""
+def _factors(values: Array, albedo: Array, surface: Array) -> Array:
+    """(passes, height, width) by which passes are scaled; albedo: of each pass; surface: length of the mean normal."""
     from scipy import ndimage
 
     def blurred(planes: Array) -> Array:
         across = ndimage.gaussian_filter1d(planes, BLUR / 3, axis=2, mode="nearest", truncate=3.0)
         return ndimage.gaussian_filter1d(across, BLUR / 3, axis=1, mode="nearest", truncate=3.0)
 
-    channels = values.shape[-1]
-    planes = [
-        _brightness(values[..., 3 * k : 3 * k + 3], channels - 3 * k)
-        / (_brightness(each, channels - 3 * k) + np.float32(LEAST_ALBEDO))
-        for k, each in enumerate(albedo)
-    ]
-    brightness = np.maximum(np.stack(planes), 0.0)
+    parts = [values[..., 3 * k : 3 * k + 3] for k in range(len(albedo))]
+    brightness = np.maximum(_brightness(parts, values.shape[-1]) / albedo, 0.0)
     part, wanted = _over_mean(brightness), _over_mean(blurred(brightness))
     difference = part
     for axis in (1, 2):
@@ -105,13 +102,13 @@ def _factors(values: Array, albedo: Sequence[Array], surface: Array) -> Array:
     return np.where(part > 0.0, np.minimum(_ratio(agreed, part), MOST), np.float32(1.0))
 
 
-def _brightness(values: Array, count: int) -> Array:
-    """(height, width), the mean of the first channels of a pass: those that the model has there."""
-    count = min(count, 3)
-    total = values[..., 0]
-    for channel in range(1, count):
-        total = total + values[..., channel]
-    return total / np.float32(count)
+def _brightness(passes: Sequence[Array], channels: int) -> Array:
+    """(passes, height, width), means over the channels that the model has in each pass."""
+    planes = []
+    for k, values in enumerate(passes):
+        count = min(channels - 3 * k, 3)
+        planes.append(sum(values[..., channel] for channel in range(count)) / np.float32(count))
+    return np.stack(planes)
 
 
 def _over_mean(planes: Array) -> Array:
